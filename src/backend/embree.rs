@@ -1,0 +1,135 @@
+//! The installed Embree through `embree4_sys`: robust scenes, single rays. World frame, metres.
+//!
+//! Triangles are hit in f32, so their t and (u, v) carry f32 rounding and of coplanar triangles any may be first;
+//! exact shapes are user geometries that see the f64 ray. Embree's intervals are closed: (t_min, t_max) goes in one
+//! f64 step narrower at both ends.
+
+use std::sync::Arc;
+
+use embree4_sys::{CommittedScene, Device, SceneBuilder, SceneError, UserGeometry, UserHit, UserRay};
+
+use super::geometry::{Geometry, Item, PlacedShape, Triangles};
+use super::nearest::{Gate, MAX_DIRECTION, MIN_DIRECTION};
+use super::{Backend, BackendError, RawHit, geometry};
+use crate::math::{Point3, Ray, Transform, Vec3};
+use crate::scene::ObjectId;
+
+// The gate refuses exactly what Embree's safe layer refuses.
+const _: () = assert!(
+    geometry::MAX_COORDINATE == embree4_sys::MAX_COORDINATE
+        && MAX_DIRECTION == embree4_sys::MAX_DIRECTION
+        && MIN_DIRECTION == embree4_sys::MIN_DIRECTION
+);
+
+/// A committed Embree scene; geometry ids are object ids.
+#[derive(Debug)]
+pub struct EmbreeBackend {
+    scene: CommittedScene,
+    version: embree4_sys::Version,
+    gate: Gate,
+}
+
+impl EmbreeBackend {
+    /// # Errors
+    /// What Embree refuses: memory, a transform that is singular in f32, too many objects.
+    pub fn new(geometry: &Arc<Geometry>) -> Result<EmbreeBackend, BackendError> {
+        let device = Device::new().map_err(SceneError::from)?;
+        let shared = geometry.shared.iter().map(|mesh| one_mesh(&device, mesh)).collect::<Result<Vec<_>, _>>()?;
+        let mut builder = SceneBuilder::new(&device)?;
+        for (object, item) in geometry.objects() {
+            match item {
+                Item::Mesh(mesh) => builder.add_mesh(object.0, &mesh.positions, &mesh.triangles)?,
+                Item::Instance { mesh, to_world } => {
+                    builder.add_instance(object.0, &shared[*mesh], &rows(to_world))?;
+                }
+                Item::Shape(placed) => builder.add_user(object.0, UserShape(placed.clone()))?,
+            }
+        }
+        Ok(EmbreeBackend { scene: builder.commit()?, version: device.version(), gate: Gate::default() })
+    }
+}
+
+impl Backend for EmbreeBackend {
+    fn intersect(&self, ray: &Ray) -> Option<RawHit> {
+        let Ok(hit) = self.scene.intersect(&narrowed(ray)) else {
+            self.gate.refuse();
+            return None;
+        };
+        hit.map(|hit| RawHit {
+            t: hit.t,
+            object: ObjectId(hit.instance.unwrap_or(hit.geometry)),
+            primitive: hit.primitive,
+            uv: [hit.u, hit.v],
+        })
+    }
+
+    fn occluded(&self, ray: &Ray) -> bool {
+        self.scene.occluded(&narrowed(ray)).unwrap_or_else(|_| {
+            self.gate.refuse();
+            false
+        })
+    }
+
+    fn describe(&self) -> String {
+        format!("Embree {}", self.version)
+    }
+
+    fn invalid_rays(&self) -> u64 {
+        self.gate.refused()
+    }
+}
+
+impl From<SceneError> for BackendError {
+    fn from(error: SceneError) -> BackendError {
+        BackendError::Embree { message: error.to_string() }
+    }
+}
+
+/// The open interval as a closed one. Steps keep a NaN, and a negative start negative, so both are still refused.
+fn narrowed(ray: &Ray) -> embree4_sys::Ray {
+    embree4_sys::Ray {
+        origin: ray.origin.to_array(),
+        direction: ray.direction.to_array(),
+        t_near: if ray.t_min < 0.0 { ray.t_min } else { ray.t_min.next_up() },
+        t_far: ray.t_max.next_down(),
+    }
+}
+
+/// A mesh as a scene of its own, for instances.
+fn one_mesh(device: &Device, mesh: &Triangles) -> Result<CommittedScene, SceneError> {
+    let mut builder = SceneBuilder::new(device)?;
+    if !mesh.triangles.is_empty() {
+        builder.add_mesh(0, &mesh.positions, &mesh.triangles)?;
+    }
+    builder.commit()
+}
+
+/// Object → world as three rows.
+fn rows(to_world: &Transform) -> [[f64; 4]; 3] {
+    let [x, y, z] = to_world.columns().map(|column| column.to_array());
+    let shift = to_world.translation().to_array();
+    std::array::from_fn(|row| [x[row], y[row], z[row], shift[row]])
+}
+
+/// An exact shape, tested in f64.
+struct UserShape(PlacedShape);
+
+impl UserGeometry for UserShape {
+    fn primitives(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> ([f32; 3], [f32; 3]) {
+        geometry::outward(self.0.bounds())
+    }
+
+    fn intersect(&self, _: u32, ray: &UserRay) -> Option<UserHit> {
+        let ray = Ray {
+            origin: Point3::from(ray.origin),
+            direction: Vec3::from_array(ray.direction),
+            t_min: ray.t_near.next_down(),
+            t_max: ray.t_far.next_up(),
+        };
+        self.0.intersect(&ray).map(|(t, [u, v])| UserHit { t, u, v })
+    }
+}

@@ -1,0 +1,180 @@
+//! The neutral description that every backend is built from: one item an object, by `ObjectId`.
+//!
+//! Unit: metres. Frames: a mesh that one object uses is baked to world space (f32, as it is stored); a mesh that
+//! several use is kept once in its own space and instanced; exact shapes keep their transform. Rays go into an object's
+//! space in f64 with the length that the inverse transform gives their direction, so `t` keeps its unit.
+
+use std::collections::BTreeMap;
+
+use super::BackendError;
+use super::triangle::{ShearedRay, TriangleHit};
+use crate::math::{Bounds3, Point3, Ray, Transform};
+use crate::scene::{MeshId, Object, ObjectGeometry, ObjectId, Scene};
+use crate::shape::Shape;
+
+/// Largest |coordinate| of anything that can be hit, metres: what Embree's f32 products can carry.
+pub const MAX_COORDINATE: f64 = 1e10;
+
+/// Triangles over shared positions; no normals, no texture coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Triangles {
+    pub positions: Vec<[f32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Triangles {
+    /// The three corners of triangle `prim`.
+    pub fn corners(&self, prim: u32) -> [Point3; 3] {
+        self.triangles[prim as usize].map(|i| Point3::from_f32(self.positions[i as usize]))
+    }
+    /// One box a triangle.
+    pub fn boxes(&self) -> impl Iterator<Item = Bounds3> {
+        (0..self.triangles.len() as u32).map(|prim| Bounds3::from_points(self.corners(prim)))
+    }
+    pub fn bounds(&self) -> Bounds3 {
+        Bounds3::from_points(self.positions.iter().map(|&p| Point3::from_f32(p)))
+    }
+}
+
+/// An exact shape and where it stands; always on the top level.
+#[derive(Clone, Debug)]
+pub struct PlacedShape {
+    pub shape: Shape,
+    pub to_world: Transform,
+}
+
+impl PlacedShape {
+    /// World bounds, not padded.
+    pub fn bounds(&self) -> Bounds3 {
+        self.shape.bounds().transformed(&self.to_world)
+    }
+    /// (t, uv) of the first hit of a world ray with t in (t_min, t_max).
+    ///
+    /// Some shapes clip their search to the interval, and the last bits of t follow the clip; so the end is applied
+    /// afterwards, and every backend gets the same bits in whatever order it shortens its ray.
+    pub fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+        let unended = Ray { t_max: f64::INFINITY, ..to_object(&self.to_world, ray) };
+        let hit = self.shape.intersect(&unended)?;
+        (hit.t > ray.t_min && hit.t < ray.t_max).then(|| (hit.t, hit.uv.to_array()))
+    }
+}
+
+/// What one object is to a backend.
+#[derive(Clone, Debug)]
+pub enum Item {
+    /// A mesh of its own, in world space.
+    Mesh(Triangles),
+    /// A use of [`Geometry::shared`]`[mesh]`.
+    Instance {
+        mesh: usize,
+        to_world: Transform,
+    },
+    Shape(PlacedShape),
+}
+
+/// All objects of a scene, as rays see them.
+#[derive(Clone, Debug)]
+pub struct Geometry {
+    /// Object i of the scene is item i.
+    pub items: Vec<Item>,
+    /// Meshes that several objects use, in their own space.
+    pub shared: Vec<Triangles>,
+}
+
+impl Geometry {
+    /// Bakes, shares and checks.
+    ///
+    /// # Errors
+    /// An object that reaches beyond [`MAX_COORDINATE`] or is not finite in world space.
+    pub fn new(scene: &Scene) -> Result<Geometry, BackendError> {
+        let mut uses: BTreeMap<MeshId, u32> = BTreeMap::new();
+        for object in &scene.objects {
+            if let ObjectGeometry::Mesh { mesh, .. } = object.geometry {
+                *uses.entry(mesh).or_default() += 1;
+            }
+        }
+        let shared_ids: Vec<MeshId> = uses.iter().filter(|&(_, &count)| count > 1).map(|(&mesh, _)| mesh).collect();
+        let shared = shared_ids.iter().map(|mesh| in_own_space(scene, *mesh)).collect();
+        let mut geometry = Geometry { items: Vec::with_capacity(scene.objects.len()), shared };
+        for object in &scene.objects {
+            let item = match &object.geometry {
+                ObjectGeometry::Mesh { mesh, to_world } => match shared_ids.binary_search(mesh) {
+                    Ok(index) => Item::Instance { mesh: index, to_world: *to_world },
+                    Err(_) => Item::Mesh(baked(scene, *mesh, to_world)),
+                },
+                ObjectGeometry::Shape { shape, to_world } => {
+                    Item::Shape(PlacedShape { shape: shape.clone(), to_world: *to_world })
+                }
+            };
+            geometry.require_bounded(object, &item)?;
+            geometry.items.push(item);
+        }
+        Ok(geometry)
+    }
+
+    /// Items with their ids; meshes without a triangle are left out.
+    pub fn objects(&self) -> impl Iterator<Item = (ObjectId, &Item)> {
+        (0..).map(ObjectId).zip(&self.items).filter(|(_, item)| self.primitives(item) > 0)
+    }
+
+    /// Triangles of a mesh or an instance, 1 for a shape.
+    pub fn primitives(&self, item: &Item) -> u32 {
+        match item {
+            Item::Mesh(mesh) => mesh.triangles.len() as u32,
+            Item::Instance { mesh, .. } => self.shared[*mesh].triangles.len() as u32,
+            Item::Shape(_) => 1,
+        }
+    }
+
+    /// World bounds, not padded.
+    pub fn bounds(&self, item: &Item) -> Bounds3 {
+        match item {
+            Item::Mesh(mesh) => mesh.bounds(),
+            Item::Instance { mesh, to_world } => self.shared[*mesh].bounds().transformed(to_world),
+            Item::Shape(placed) => placed.bounds(),
+        }
+    }
+
+    fn require_bounded(&self, object: &Object, item: &Item) -> Result<(), BackendError> {
+        let bounds = self.bounds(item);
+        // Written so that a NaN fails. An empty mesh has an empty box and nothing to hit.
+        let bounded = bounds.is_empty() || (bounds.max_abs() <= MAX_COORDINATE && bounds.diagonal().is_finite());
+        if bounded { Ok(()) } else { Err(BackendError::OutOfBounds { object: object.name.clone() }) }
+    }
+}
+
+/// A world ray in object space; `t` keeps its unit.
+pub fn to_object(to_world: &Transform, ray: &Ray) -> Ray {
+    Ray {
+        origin: to_world.inverse_point(ray.origin),
+        direction: to_world.inverse_vector(ray.direction),
+        t_min: ray.t_min,
+        t_max: ray.t_max,
+    }
+}
+
+/// The f64 test of one triangle for a ray that is already in the mesh's space.
+pub(super) fn hit_triangle(ray: &ShearedRay, mesh: &Triangles, prim: u32, end: f64) -> Option<TriangleHit> {
+    ray.intersect(mesh.corners(prim), end)
+}
+
+/// The smallest f32 box around an f64 one, lower and upper corner.
+pub(super) fn outward(b: Bounds3) -> ([f32; 3], [f32; 3]) {
+    let down = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
+    (b.min.to_array().map(down), b.max.to_array().map(|x| -down(-x)))
+}
+
+fn in_own_space(scene: &Scene, mesh: MeshId) -> Triangles {
+    let mesh = &scene.meshes[mesh.index()];
+    Triangles { positions: mesh.positions.clone(), triangles: mesh.triangles.clone() }
+}
+
+fn baked(scene: &Scene, mesh: MeshId, to_world: &Transform) -> Triangles {
+    let mut triangles = in_own_space(scene, mesh);
+    if !to_world.is_identity() {
+        for p in &mut triangles.positions {
+            *p = to_world.point(Point3::from_f32(*p)).to_array().map(|x| x as f32);
+        }
+    }
+    triangles
+}

@@ -1,0 +1,66 @@
+//! How the program ends when it could not do what it was asked: one message, one exit code.
+
+use std::process::ExitCode;
+
+use pdembree::output::{ReadError, WriteError};
+
+use super::console::{Verbosity, note};
+
+/// Exit codes; 65 to 74 are those of sysexits.h.
+pub mod code {
+    /// The work failed, or pictures differ.
+    pub const FAILED: u8 = 1;
+    pub const USAGE: u8 = 2;
+    /// EX_DATAERR: a scene or picture is wrong.
+    pub const BAD_DATA: u8 = 65;
+    /// EX_NOINPUT: an input is missing or cannot be read.
+    pub const NO_INPUT: u8 = 66;
+    /// EX_CANTCREAT: an output cannot be created; known before the work starts.
+    pub const CANNOT_CREATE: u8 = 73;
+    /// EX_IOERR: writing failed.
+    pub const WRITE_FAILED: u8 = 74;
+}
+
+/// An exit code and why. The message names the place and what to do; an empty one was printed already.
+#[derive(Debug)]
+pub struct Failure {
+    pub code: u8,
+    pub message: String,
+}
+
+impl Failure {
+    pub fn new(code: u8, message: impl Into<String>) -> Failure {
+        Failure { code, message: message.into() }
+    }
+
+    /// Prints the message and makes the exit code.
+    pub fn report(&self, verbosity: Verbosity) -> ExitCode {
+        if !self.message.is_empty() {
+            note(verbosity, "error", &self.message);
+        }
+        ExitCode::from(self.code)
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Failure {
+        let code = match error {
+            WriteError::UnknownExtension { .. } => code::USAGE,
+            WriteError::FolderMissing { .. } | WriteError::IsFolder { .. } | WriteError::CannotCreate { .. } => {
+                code::CANNOT_CREATE
+            }
+            _ => code::WRITE_FAILED,
+        };
+        Failure::new(code, error.to_string())
+    }
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Failure {
+        let code = match error {
+            ReadError::Missing { .. } | ReadError::Io { .. } => code::NO_INPUT,
+            _ => code::BAD_DATA,
+        };
+        Failure::new(code, error.to_string())
+    }
+}

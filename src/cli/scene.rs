@@ -1,0 +1,142 @@
+//! The scene argument and the settings that go over it, the same for every command that reads a scene.
+//!
+//! Options become overrides of the scene file's `[render]` table, so that one place knows what is allowed.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use pdembree::import::{self, Loaded, Override};
+use pdembree::scene::settings::{BackendKind, EmissionPattern, Estimator, FootprintRule, KernelShape, Layer, Method};
+
+use super::console::Verbosity;
+use super::failure::Failure;
+use super::number::{count, finite, small_count};
+use super::problems;
+
+#[derive(clap::Args)]
+pub struct SceneArgs {
+    /// Scene file (TOML)
+    pub scene: PathBuf,
+    /// Override one value of the scene file, for example -D materials.glass.ior=1.33 (repeatable)
+    #[arg(short = 'D', long = "define", value_name = "KEY=VALUE", value_parser = define)]
+    define: Vec<Override>,
+    #[command(flatten)]
+    settings: SettingsArgs,
+}
+
+/// Each wins over the scene file and over -D.
+#[derive(clap::Args)]
+#[command(next_help_heading = "Settings (default: what the scene file says)")]
+struct SettingsArgs {
+    /// What renders: photon_map, path or light (both unbiased references)
+    #[arg(long, env = "PDEMBREE_METHOD", value_parser = PossibleValuesParser::new(Method::NAMES))]
+    method: Option<String>,
+    /// Library that finds the hits
+    #[arg(long, env = "PDEMBREE_BACKEND", value_parser = PossibleValuesParser::new(BackendKind::NAMES))]
+    backend: Option<String>,
+    /// Seed of all random numbers
+    #[arg(long, env = "PDEMBREE_SEED", value_name = "N")]
+    seed: Option<u64>,
+    /// Passes that the picture is the mean of
+    #[arg(long, env = "PDEMBREE_PASSES", value_name = "N", value_parser = small_count)]
+    passes: Option<u32>,
+    /// Eye samples in a pixel, in each pass
+    #[arg(long, env = "PDEMBREE_SPP", value_name = "N", value_parser = small_count)]
+    spp: Option<u32>,
+    /// Photons emitted in each pass; suffixes K, M, G
+    #[arg(long, env = "PDEMBREE_PHOTONS", value_name = "N", value_parser = count)]
+    photons: Option<u64>,
+    /// How the lights' sample squares are filled
+    #[arg(long, env = "PDEMBREE_EMISSION", value_parser = PossibleValuesParser::new(EmissionPattern::NAMES))]
+    emission: Option<String>,
+    /// Photon differentials or k nearest neighbours
+    #[arg(long, env = "PDEMBREE_ESTIMATOR", value_parser = PossibleValuesParser::new(Estimator::NAMES))]
+    estimator: Option<String>,
+    /// Ellipse that a photon's differentials span
+    #[arg(long, env = "PDEMBREE_FOOTPRINT", value_parser = PossibleValuesParser::new(FootprintRule::NAMES))]
+    footprint: Option<String>,
+    /// Shape of the kernel over a footprint
+    #[arg(long, env = "PDEMBREE_KERNEL", value_parser = kernels())]
+    kernel: Option<String>,
+    /// Width of the footprints: auto, or S or scale:S times the photon's own share of the light
+    #[arg(long, env = "PDEMBREE_BANDWIDTH", value_name = "auto|S", value_parser = bandwidth)]
+    bandwidth: Option<String>,
+    /// Neighbours of the knn estimate
+    #[arg(long, env = "PDEMBREE_K", value_name = "N", value_parser = small_count)]
+    k: Option<u32>,
+    /// Edges of a path at most
+    #[arg(long, env = "PDEMBREE_MAX_DEPTH", value_name = "N", value_parser = small_count)]
+    max_depth: Option<u32>,
+    /// Diffuse and glossy bounces of an eye path at most
+    #[arg(long, env = "PDEMBREE_MAX_BOUNCES", value_name = "N")]
+    max_bounces: Option<u32>,
+    /// EXR layers beside the beauty, separated by commas
+    #[arg(
+        long, env = "PDEMBREE_LAYERS", value_delimiter = ',', value_name = "LAYER,...",
+        value_parser = PossibleValuesParser::new(Layer::NAMES)
+    )]
+    layers: Option<Vec<String>>,
+}
+
+fn define(text: &str) -> Result<Override, String> {
+    text.parse().map_err(|problem: pdembree::scene::error::Problem| problem.to_string())
+}
+
+fn kernels() -> PossibleValuesParser {
+    let value = |name: &'static str| {
+        let value = PossibleValue::new(name);
+        if name == KernelShape::Biweight.name() { value.alias("silverman") } else { value }
+    };
+    PossibleValuesParser::new(KernelShape::NAMES.iter().map(|&name| value(name)))
+}
+
+/// The value as the scene file spells it.
+fn bandwidth(text: &str) -> Result<String, String> {
+    if text == "auto" {
+        return Ok("\"auto\"".to_owned());
+    }
+    match finite(text.strip_prefix("scale:").unwrap_or(text)) {
+        // `{:?}` keeps the point of a whole number and every digit.
+        Ok(scale) if scale > 0.0 => Ok(format!("{scale:?}")),
+        _ => Err("write auto, a number above 0, or scale: and a number".to_owned()),
+    }
+}
+
+impl SettingsArgs {
+    fn overrides(&self) -> Vec<Override> {
+        let word = |value: &Option<String>| value.as_ref().map(|name| format!("{name:?}"));
+        let number = |value: Option<u32>| value.map(|n| n.to_string());
+        let layers = self.layers.as_ref().map(|names| format!("{names:?}"));
+        let all = [
+            ("method", word(&self.method)),
+            ("backend", word(&self.backend)),
+            ("seed", self.seed.map(|n| n.to_string())),
+            ("passes", number(self.passes)),
+            ("spp", number(self.spp)),
+            ("photons", self.photons.map(|n| n.to_string())),
+            ("emission", word(&self.emission)),
+            ("estimator", word(&self.estimator)),
+            ("footprint", word(&self.footprint)),
+            ("kernel", word(&self.kernel)),
+            ("bandwidth", self.bandwidth.clone()),
+            ("k", number(self.k)),
+            ("max_depth", number(self.max_depth)),
+            ("max_bounces", number(self.max_bounces)),
+            ("layers", layers),
+        ];
+        let given = |(name, value): (&str, Option<String>)| Some(Override::new(format!("render.{name}"), value?));
+        all.into_iter().filter_map(given).collect()
+    }
+}
+
+impl SceneArgs {
+    /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.
+    pub fn load(&self, verbosity: Verbosity) -> Result<Loaded, Failure> {
+        let overrides = [self.define.clone(), self.settings.overrides()].concat();
+        let loaded = import::load(&self.scene, &overrides).map_err(|all| problems::failure(&all))?;
+        if !verbosity.quiet {
+            problems::print(&loaded.warnings, miette::Severity::Warning);
+        }
+        Ok(loaded)
+    }
+}

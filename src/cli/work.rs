@@ -1,0 +1,49 @@
+//! Options and steps that every command shares that traces rays.
+
+use std::num::NonZeroUsize;
+
+use pdembree::backend::BackendError;
+use pdembree::render::unit;
+use pdembree::scene::Scene;
+use pdembree::world::{World, WorldError};
+
+use super::console::Verbosity;
+use super::failure::{Failure, code};
+use super::progress::{Mode, Reporter};
+
+#[derive(clap::Args)]
+pub struct WorkArgs {
+    /// Threads [default: one for each processor]
+    #[arg(short = 't', long = "nthreads", env = "PDEMBREE_NTHREADS", value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// How progress is told on stderr
+    #[arg(long, env = "PDEMBREE_PROGRESS", value_name = "HOW", value_enum, default_value = "auto")]
+    progress: Mode,
+}
+
+impl WorkArgs {
+    /// Starts the threads; returns how many there are.
+    pub fn start_threads(&self) -> Result<usize, Failure> {
+        let wanted = self.threads.map_or(0, NonZeroUsize::get);
+        unit::start_threads(wanted)
+            .map_err(|error| Failure::new(code::FAILED, format!("cannot start threads: {error}")))
+    }
+
+    pub fn reporter(&self, verbosity: Verbosity, phases: u64) -> Reporter {
+        Reporter::new(self.progress, verbosity, phases)
+    }
+}
+
+/// The scene in the backend that its settings name, with its lights.
+pub fn world(scene: Scene) -> Result<World, Failure> {
+    World::new(scene).map_err(|error| world_failure(&error))
+}
+
+pub fn world_failure(error: &WorldError) -> Failure {
+    let code = match error {
+        WorldError::Backend(BackendError::EmbreeNotCompiledIn) => code::USAGE,
+        WorldError::Backend(BackendError::Embree { .. }) => code::FAILED,
+        WorldError::Backend(BackendError::OutOfBounds { .. }) | WorldError::Lights(_) => code::BAD_DATA,
+    };
+    Failure::new(code, error.to_string())
+}

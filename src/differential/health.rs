@@ -1,0 +1,43 @@
+//! Where first derivatives stop meaning anything: columns that claim to turn a ray by a large angle.
+//!
+//! A cell that meets a mirror at its silhouette, or glass next to total reflection, is turned by far more than its
+//! derivative holds for; followed on, it would cover the whole scene. Such a column is narrowed, position and direction
+//! together: it stays the exact derivative of a smaller cell. A kernel's energy does not depend on its width, so what
+//! is lost is evenness, never light.
+
+use super::state::Differential;
+
+/// The largest turn of a direction by one cell, radians, at which a sine and its tangent still agree to 3 %.
+pub const MAX_SPREAD: f64 = 0.3;
+
+/// Narrows every column with |∂ω| above `max_spread`; returns the columns and how many were narrowed.
+pub fn narrowed<const N: usize>(d: &Differential<N>, max_spread: f64) -> (Differential<N>, u32) {
+    let mut count = 0;
+    let mut result = *d;
+    for column in &mut result.columns {
+        let spread = column.dw.length();
+        if spread > max_spread {
+            *column = column.scaled(max_spread / spread);
+            count += 1;
+        }
+    }
+    (result, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::state::Column;
+    use super::*;
+    use crate::math::Vec3;
+
+    #[test]
+    fn a_wide_column_shrinks_as_a_whole_and_a_narrow_one_stays() {
+        let wide = Column { dx: Vec3::X, dw: Vec3::Y * 3.0 };
+        let narrow = Column { dx: Vec3::Z, dw: Vec3::X * 0.1 };
+        let (d, count) = narrowed(&Differential { columns: [wide, narrow] }, 0.3);
+        assert_eq!(count, 1);
+        assert_eq!(d.columns[1], narrow);
+        assert!((d.columns[0].dw - Vec3::Y * 0.3).length() < 1e-15);
+        assert!((d.columns[0].dx - Vec3::X * 0.1).length() < 1e-15);
+    }
+}

@@ -1,0 +1,17 @@
+//! The heart: how a ray's derivatives change along its path.
+//!
+//! A [`Differential`] is a set of columns (∂x/∂k, ∂ω/∂k), one for each parameter k that the ray was made from. Every
+//! event acts on each column alone, so a further parameter (time, wavelength) is one more column. This module knows
+//! no scene, no BSDF and no backend: its functions take a normal, a shape operator, an index ratio, a distance.
+
+pub mod health;
+pub mod reflect;
+pub mod refract;
+pub mod state;
+pub mod transfer;
+
+pub use health::narrowed;
+pub use reflect::reflect;
+pub use refract::{Refraction, refract};
+pub use state::{Column, Differential, ShapeOperator};
+pub use transfer::transfer;

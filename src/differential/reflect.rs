@@ -1,0 +1,27 @@
+//! Mirror reflection · [Igehy99 (14), (15)].
+
+use super::state::{Column, Differential, ShapeOperator};
+use crate::math::{Dir3, Normal3, Vec3};
+
+/// Reflects the ray direction `w` (towards the surface) and its columns about the normal `n`, whose shape operator
+/// belongs to the same orientation. Either orientation gives the same answer.
+pub fn reflect<const N: usize>(
+    d: &Differential<N>,
+    w: Dir3,
+    n: Normal3,
+    shape: &ShapeOperator,
+) -> (Dir3, Differential<N>) {
+    let cos = w.dot(n);
+    let reflected = Dir3::from_unit(renormalised(w.to_vec() - n * (2.0 * cos)));
+    let columns = d.map(|c| {
+        let dn = shape.apply(c.dx);
+        let dcos = n.dot(c.dw) + w.dot(dn);
+        Column { dx: c.dx, dw: c.dw - 2.0 * (cos * dn + dcos * n.to_vec()) }
+    });
+    (reflected, columns)
+}
+
+/// Removes the last rounding error of a vector that is unit by construction.
+pub(super) fn renormalised(v: Vec3) -> Vec3 {
+    v * (1.5 - 0.5 * v.length_squared())
+}

@@ -1,0 +1,43 @@
+//! Refraction · [Igehy99 (16)–(19)], with the full derivative of the normal and of the index ratio.
+
+use super::reflect::{reflect, renormalised};
+use super::state::{Column, Differential, ShapeOperator};
+use crate::math::{Dir3, Normal3};
+
+/// The outcome of meeting an interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refraction<const N: usize> {
+    Transmitted(Dir3, Differential<N>),
+    /// Total internal reflection: the mirror's rule applied.
+    TotalReflection(Dir3, Differential<N>),
+}
+
+/// Refracts `w` (towards the surface) with η = n_incident / n_transmitted. The normal may face either way; `shape`
+/// belongs to the orientation given.
+pub fn refract<const N: usize>(
+    d: &Differential<N>,
+    w: Dir3,
+    n: Normal3,
+    shape: &ShapeOperator,
+    eta: f64,
+) -> Refraction<N> {
+    // The rule is written for a normal against the ray.
+    let (n, shape) = if w.dot(n) > 0.0 { (-n, shape.flipped()) } else { (n, *shape) };
+    let c = -w.dot(n);
+    let k = 1.0 - eta * eta * (1.0 - c * c);
+    if k <= 0.0 {
+        let (reflected, columns) = reflect(d, w, n, &shape);
+        return Refraction::TotalReflection(reflected, columns);
+    }
+    let root = k.sqrt();
+    let m = eta * c - root;
+    let transmitted = Dir3::from_unit(renormalised(w * eta + n * m));
+    let columns = d.map(|column| {
+        let dn = shape.apply(column.dx);
+        let dc = -(n.dot(column.dw) + w.dot(dn));
+        // dm/dk with constant η: η dc − η² c dc / √k
+        let dm = (eta - eta * eta * c / root) * dc;
+        Column { dx: column.dx, dw: eta * column.dw + m * dn + dm * n.to_vec() }
+    });
+    Refraction::Transmitted(transmitted, columns)
+}

@@ -1,0 +1,76 @@
+//! Derivative columns of a ray · metres and radians per unit of the parameter · world frame · [Igehy99 (1)–(4)].
+
+use crate::math::Vec3;
+
+/// dN/dx of the shading normal that an event uses, as the columns of a 3×3 matrix, 1/m. Only tangent vectors may be
+/// applied; what it does to the normal itself is unspecified (usually zero).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeOperator(glam::DMat3);
+
+impl ShapeOperator {
+    pub const FLAT: ShapeOperator = ShapeOperator(glam::DMat3::ZERO);
+
+    pub const fn from_matrix(m: glam::DMat3) -> Self {
+        ShapeOperator(m)
+    }
+    pub fn matrix(&self) -> glam::DMat3 {
+        self.0
+    }
+    /// The change of the normal for a step `dx` on the surface.
+    pub fn apply(&self, dx: Vec3) -> Vec3 {
+        self.0 * dx
+    }
+    /// The operator of the opposite normal.
+    pub fn flipped(&self) -> ShapeOperator {
+        ShapeOperator(-self.0)
+    }
+}
+
+/// One parameter's derivatives of a ray (x, ω).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// ∂x/∂k.
+    pub dx: Vec3,
+    /// ∂ω/∂k, perpendicular to ω.
+    pub dw: Vec3,
+}
+
+impl Column {
+    pub const ZERO: Column = Column { dx: Vec3::ZERO, dw: Vec3::ZERO };
+
+    pub fn position(dx: Vec3) -> Column {
+        Column { dx, dw: Vec3::ZERO }
+    }
+    pub fn direction(dw: Vec3) -> Column {
+        Column { dx: Vec3::ZERO, dw }
+    }
+    pub fn scaled(self, s: f64) -> Column {
+        Column { dx: self.dx * s, dw: self.dw * s }
+    }
+    pub fn is_finite(&self) -> bool {
+        self.dx.is_finite() && self.dw.is_finite()
+    }
+}
+
+/// The columns of a ray: N = 4 for photons (u, v, θ, φ: where and whither it was emitted), N = 2 for camera rays
+/// (raster x, y).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Differential<const N: usize> {
+    pub columns: [Column; N],
+}
+
+impl<const N: usize> Differential<N> {
+    pub const ZERO: Differential<N> = Differential { columns: [Column::ZERO; N] };
+
+    /// Applies an event's rule to every column.
+    pub fn map(&self, rule: impl Fn(&Column) -> Column) -> Differential<N> {
+        Differential { columns: self.columns.each_ref().map(rule) }
+    }
+    /// Every column times `s`: a change of the cell's size.
+    pub fn scaled(&self, s: f64) -> Differential<N> {
+        self.map(|c| c.scaled(s))
+    }
+    pub fn is_finite(&self) -> bool {
+        self.columns.iter().all(Column::is_finite)
+    }
+}

@@ -1,0 +1,16 @@
+//! Long documentation, one page a module; it holds no code.
+
+#[doc = include_str!("notation.md")]
+pub mod notation {}
+
+#[doc = include_str!("scene_format.md")]
+pub mod scene_format {}
+
+#[doc = include_str!("units.md")]
+pub mod units {}
+
+#[doc = include_str!("testing.md")]
+pub mod testing {}
+
+#[doc = include_str!("references.md")]
+pub mod references {}

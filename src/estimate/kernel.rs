@@ -1,0 +1,102 @@
+//! Kernels over the unit disc · argument t = r² · ∫_{|y|<1} K(|y|²) dy = 1 · PHOTON_DIFFERENTIALS 3.1.
+
+use std::f64::consts::PI;
+
+use crate::scene::settings::KernelShape;
+
+/// Standard deviation of the Gaussian, in disc radii; the kernel is cut at 1 and normalised there.
+const GAUSSIAN_WIDTH: f64 = 1.0 / 3.0;
+
+/// K(t), 0 for t ≥ 1.
+pub fn evaluate(kernel: KernelShape, t: f64) -> f64 {
+    if t >= 1.0 {
+        return 0.0;
+    }
+    let rest = 1.0 - t;
+    match kernel {
+        KernelShape::Uniform => 1.0 / PI,
+        KernelShape::Cone => 3.0 / PI * (1.0 - t.sqrt()),
+        KernelShape::Epanechnikov => 2.0 / PI * rest,
+        KernelShape::Biweight => 3.0 / PI * rest * rest,
+        KernelShape::Triweight => 4.0 / PI * rest * rest * rest,
+        KernelShape::Gaussian => {
+            let inverse_variance = 1.0 / (GAUSSIAN_WIDTH * GAUSSIAN_WIDTH);
+            let mass = 1.0 - (-0.5 * inverse_variance).exp();
+            (-0.5 * t * inverse_variance).exp() * inverse_variance / (2.0 * PI * mass)
+        }
+    }
+}
+
+/// Variance per axis of the kernel's unit disc: how far it smooths. Equal smoothing by two kernels asks for scales in
+/// the inverse ratio of the square roots.
+pub fn variance(kernel: KernelShape) -> f64 {
+    match kernel {
+        KernelShape::Uniform => 1.0 / 4.0,
+        KernelShape::Cone => 3.0 / 20.0,
+        KernelShape::Epanechnikov => 1.0 / 6.0,
+        KernelShape::Biweight => 1.0 / 8.0,
+        KernelShape::Triweight => 1.0 / 10.0,
+        KernelShape::Gaussian => {
+            // σ² (1 − c e^{−c}/(1 − e^{−c})), c = 1/2σ²: the cut takes the tail's share away.
+            let c = 0.5 / (GAUSSIAN_WIDTH * GAUSSIAN_WIDTH);
+            GAUSSIAN_WIDTH * GAUSSIAN_WIDTH * (1.0 - c * (-c).exp() / (1.0 - (-c).exp()))
+        }
+    }
+}
+
+/// Whether the kernel vanishes at the edge of its support; a k-nearest estimate with one that does not must leave out
+/// the k-th photon itself.
+pub fn vanishes_at_edge(kernel: KernelShape) -> bool {
+    !matches!(kernel, KernelShape::Uniform | KernelShape::Gaussian)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [KernelShape; 6] = [
+        KernelShape::Uniform,
+        KernelShape::Cone,
+        KernelShape::Epanechnikov,
+        KernelShape::Biweight,
+        KernelShape::Triweight,
+        KernelShape::Gaussian,
+    ];
+
+    /// ∫ K(r²) g(r) 2πr dr by the midpoint rule.
+    fn radial_integral(kernel: KernelShape, g: impl Fn(f64) -> f64) -> f64 {
+        let n = 200_000;
+        (0..n)
+            .map(|i| {
+                let r = (f64::from(i) + 0.5) / f64::from(n);
+                evaluate(kernel, r * r) * g(r) * 2.0 * PI * r / f64::from(n)
+            })
+            .sum()
+    }
+
+    #[test]
+    fn every_kernel_integrates_to_one() {
+        for kernel in ALL {
+            assert!((radial_integral(kernel, |_| 1.0) - 1.0).abs() < 1e-9, "{}", kernel.name());
+        }
+    }
+
+    #[test]
+    fn heights_and_second_moments_are_those_of_the_table() {
+        let heights = [1.0, 3.0, 2.0, 3.0, 4.0, 4.5506];
+        for (kernel, height) in ALL.into_iter().zip(heights) {
+            assert!((PI * evaluate(kernel, 0.0) - height).abs() < 1e-4, "{}", kernel.name());
+            // Per axis: half of the mean of r².
+            let moment = 0.5 * radial_integral(kernel, |r| r * r);
+            assert!((moment - variance(kernel)).abs() < 1e-9, "{}", kernel.name());
+        }
+    }
+
+    #[test]
+    fn nothing_lies_beyond_the_edge() {
+        for kernel in ALL {
+            assert_eq!(evaluate(kernel, 1.0), 0.0);
+            assert_eq!(evaluate(kernel, 1e9), 0.0);
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! From photons to radiance at points.
+
+pub mod bandwidth;
+pub mod gather;
+pub mod kernel;
+pub mod nearest;
+pub mod select;
+
+pub use gather::{GatherPoint, Gathered};
+pub use select::Estimate;

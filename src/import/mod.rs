@@ -1,0 +1,89 @@
+//! Scene files become descriptions; [`load`] goes on to the assembled scene.
+//!
+//! The parsers of this module end at the description: only [`load`], the one door for everybody who renders a file,
+//! knows assembly too.
+
+mod assets;
+pub mod image;
+pub mod mesh_file;
+pub mod native;
+pub mod obj;
+pub mod ply;
+
+pub use native::Override;
+
+use std::path::Path;
+
+use crate::scene::Scene;
+use crate::scene::assemble::assemble;
+use crate::scene::error::{Problem, Problems};
+
+/// A scene file is text that somebody wrote; anything this long is something else.
+const MAX_SCENE_BYTES: u64 = 16 << 20;
+
+/// Bytes of a mesh file.
+const MAX_MESH_BYTES: u64 = 8 << 30;
+
+/// A scene ready to be rendered.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    pub scene: Scene,
+    /// What is probably not meant, but can be rendered.
+    pub warnings: Vec<Problem>,
+}
+
+/// Reads the scene file `path` with `overrides` laid over it, the files that it names, and assembles the scene.
+///
+/// # Errors
+/// Everything that is wrong with the scene, each with its file, line and column where there is one.
+pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
+    let text = read_text(path, MAX_SCENE_BYTES)?;
+    load_text(path, &text, overrides)
+}
+
+/// Like [`load`] with the content of the scene file at hand; `path` is for messages and for finding other files.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Loaded, Problems> {
+    let (description, mut problems) = native::describe(path, text, overrides);
+    let Some(description) = description else { return Err(problems) };
+    let assembled = match assemble(description) {
+        Ok((scene, warnings)) => Some(Loaded { scene, warnings }),
+        Err(more) => {
+            problems.append(more);
+            None
+        }
+    };
+    match assembled {
+        Some(loaded) if problems.is_empty() => Ok(loaded),
+        _ => Err(problems.sorted()),
+    }
+}
+
+/// The content of a text file of at most `limit` bytes.
+fn read_text(path: &Path, limit: u64) -> Result<String, Problem> {
+    String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|&&b| b == b'\n').count();
+        let source = crate::scene::error::Source::file(path).at_line(u32::try_from(line).unwrap_or(0));
+        Problem::new("not UTF-8 text").help("save the file as UTF-8").at(&source)
+    })
+}
+
+/// The content of a file of at most `limit` bytes.
+fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Problem> {
+    use std::io::Read;
+    let unreadable = |error: std::io::Error| Problem::unreadable(path, &error);
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    if file.metadata().is_ok_and(|m| m.is_dir()) {
+        return Err(unreadable(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let mut bytes = Vec::new();
+    // Pipes have no length, so the limit is put on what is read.
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > limit {
+        let problem = Problem::new(format!("{} is longer than {} MiB", path.display(), limit >> 20));
+        return Err(problem.help("is this the right file?"));
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,184 @@
+//! `[camera]` and `[render]`.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::convert::{Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found};
+use super::reader::Section;
+use crate::scene::camera::PixelFilter;
+use crate::scene::description::{CameraDescription, CameraModelDescription};
+use crate::scene::settings::{
+    BackendKind, Bandwidth, EmissionPattern, Estimator, FootprintRule, KernelShape, Layer, MAX_PHOTONS_PER_PASS,
+    Method, RenderSettings,
+};
+
+/// Pixels along one side at most.
+const MAX_RESOLUTION: u64 = 65_536;
+
+#[derive(Clone, Copy)]
+enum ModelName {
+    Perspective,
+    Orthographic,
+    ThinLens,
+}
+
+const MODELS: Choice<'_, ModelName> = Choice {
+    names: &["perspective", "orthographic", "thin_lens"],
+    from_name: |name| match name {
+        "perspective" => Some(ModelName::Perspective),
+        "orthographic" => Some(ModelName::Orthographic),
+        "thin_lens" => Some(ModelName::ThinLens),
+        _ => None,
+    },
+};
+
+const FILTERS: Choice<'_, PixelFilter> = Choice {
+    names: &["box", "gaussian"],
+    from_name: |name| match name {
+        "box" => Some(PixelFilter::Box),
+        "gaussian" => Some(PixelFilter::Gaussian),
+        _ => None,
+    },
+};
+
+pub(super) fn read(section: Section<'_>) -> CameraDescription {
+    let model_name = match section.get("type") {
+        Some(value) => section.reader.convert("type", value, &MODELS),
+        None => {
+            section.missing("type", &MODELS.expects());
+            None
+        }
+    };
+    let model = read_model(&section, model_name.unwrap_or(ModelName::Perspective), model_name.is_some());
+    let resolution = Array(Integer::within(1, MAX_RESOLUTION));
+    let camera = CameraDescription {
+        source: section.source(),
+        model,
+        position: section.required("position", POINT, [0.0, 0.0, 1.0]),
+        target: section.required("target", POINT, [0.0; 3]),
+        up: section.or("up", Direction, [0.0, 1.0, 0.0]),
+        resolution: section.required("resolution", resolution, [1, 1]).map(|n| n as u32),
+        filter: section.or("filter", FILTERS, PixelFilter::Box),
+    };
+    if model_name.is_some() {
+        section.finish();
+    }
+    camera
+}
+
+/// The keys of the model; with `known` false its name was wrong and no key is missed.
+fn read_model(section: &Section<'_>, name: ModelName, known: bool) -> CameraModelDescription {
+    const PLACEHOLDER: CameraModelDescription = CameraModelDescription::Orthographic { width: 1.0 };
+    let angle = Number::between(0.0, 180.0);
+    match name {
+        _ if !known => PLACEHOLDER,
+        ModelName::Perspective => {
+            CameraModelDescription::Perspective { fov_degrees: section.required("fov_degrees", angle, 90.0) }
+        }
+        ModelName::Orthographic => {
+            CameraModelDescription::Orthographic { width: section.required("width", POSITIVE, 1.0) }
+        }
+        ModelName::ThinLens => CameraModelDescription::ThinLens {
+            fov_degrees: section.required("fov_degrees", angle, 90.0),
+            lens_radius: section.required("lens_radius", POSITIVE, 1.0),
+            focus_distance: section.required("focus_distance", POSITIVE, 1.0),
+        },
+    }
+}
+
+/// "auto" or a scale.
+#[derive(Clone, Copy)]
+struct BandwidthKind;
+
+impl Convert for BandwidthKind {
+    type Output = Bandwidth;
+    fn expects(&self) -> String {
+        "\"auto\" or a finite number > 0".to_owned()
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Bandwidth, Mismatch> {
+        match value.get_ref() {
+            DeValue::String(s) if s == "auto" => Ok(Bandwidth::Auto),
+            _ => POSITIVE.convert(value).map(Bandwidth::Scale),
+        }
+    }
+}
+
+/// A list of layers, each once.
+#[derive(Clone, Copy)]
+struct Layers;
+
+impl Convert for Layers {
+    type Output = Vec<Layer>;
+    fn expects(&self) -> String {
+        format!("an array of layers, each {}", LAYERS.expects())
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<Layer>, Mismatch> {
+        let DeValue::Array(items) = value.get_ref() else {
+            return Err(Mismatch { found: found(value.get_ref()), span: value.span() });
+        };
+        let mut layers = Vec::new();
+        for item in items.iter() {
+            let layer = LAYERS.convert(item)?;
+            if layers.contains(&layer) {
+                return Err(Mismatch { found: format!("\"{}\" twice", layer.name()), span: item.span() });
+            }
+            layers.push(layer);
+        }
+        Ok(layers)
+    }
+}
+
+const LAYERS: Choice<'_, Layer> = Choice { names: Layer::NAMES, from_name: Layer::from_name };
+
+const KERNELS: Choice<'_, KernelShape> = Choice {
+    names: &["uniform", "cone", "epanechnikov", "biweight", "silverman", "triweight", "gaussian"],
+    from_name: |name| if name == "silverman" { Some(KernelShape::Biweight) } else { KernelShape::from_name(name) },
+};
+
+pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
+    const LARGE: u64 = 1_000_000;
+    let default = RenderSettings::default();
+    let count = |min| Integer::within(min, LARGE);
+    let depth = |min| Integer::within(min, 65_535);
+    let photons = Integer {
+        min: 1,
+        max: MAX_PHOTONS_PER_PASS,
+        help: Some("photons of one pass; use render.passes to emit more, a million is a good start"),
+    };
+    let settings = RenderSettings {
+        method: section.or("method", Choice { names: Method::NAMES, from_name: Method::from_name }, default.method),
+        backend: section.or(
+            "backend",
+            Choice { names: BackendKind::NAMES, from_name: BackendKind::from_name },
+            default.backend,
+        ),
+        seed: section.or("seed", Integer::within(0, u64::MAX), default.seed),
+        passes: section.or("passes", count(1), default.passes.into()) as u32,
+        spp: section.or("spp", count(1), default.spp.into()) as u32,
+        photons: section.or("photons", photons, default.photons),
+        emission: section.or(
+            "emission",
+            Choice { names: EmissionPattern::NAMES, from_name: EmissionPattern::from_name },
+            default.emission,
+        ),
+        estimator: section.or(
+            "estimator",
+            Choice { names: Estimator::NAMES, from_name: Estimator::from_name },
+            default.estimator,
+        ),
+        footprint: section.or(
+            "footprint",
+            Choice { names: FootprintRule::NAMES, from_name: FootprintRule::from_name },
+            default.footprint,
+        ),
+        kernel: section.or("kernel", KERNELS, default.kernel),
+        bandwidth: section.or("bandwidth", BandwidthKind, default.bandwidth),
+        // The k-th neighbour only sets the radius, so at least one more is needed.
+        k: section.or("k", count(2), default.k.into()) as u32,
+        max_depth: section.or("max_depth", depth(1), default.max_depth.into()) as u32,
+        max_bounces: section.or("max_bounces", depth(0), default.max_bounces.into()) as u32,
+        layers: section.or("layers", Layers, default.layers),
+    };
+    section.finish();
+    settings
+}

@@ -1,0 +1,178 @@
+//! `[materials.*]`.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::convert::{Boolean, Choice, Colour, Convert, FRACTION, NON_NEGATIVE, Number, POSITIVE, Text};
+use super::reader::Section;
+use crate::import::assets::Assets;
+use crate::import::image::ColourSpace;
+use crate::scene::description::{MaterialDescription, MaterialModel, Parameter};
+use crate::scene::metal::Metal;
+use crate::scene::texture::Wrap;
+
+#[derive(Clone, Copy)]
+enum MaterialName {
+    Lambert,
+    Mirror,
+    Dielectric,
+    Conductor,
+    RoughDielectric,
+    RoughConductor,
+    Plastic,
+}
+
+const MATERIALS: Choice<'_, MaterialName> = Choice {
+    names: &["lambert", "mirror", "dielectric", "conductor", "rough_dielectric", "rough_conductor", "plastic"],
+    from_name: |name| match name {
+        "lambert" => Some(MaterialName::Lambert),
+        "mirror" => Some(MaterialName::Mirror),
+        "dielectric" => Some(MaterialName::Dielectric),
+        "conductor" => Some(MaterialName::Conductor),
+        "rough_dielectric" => Some(MaterialName::RoughDielectric),
+        "rough_conductor" => Some(MaterialName::RoughConductor),
+        "plastic" => Some(MaterialName::Plastic),
+        _ => None,
+    },
+};
+
+const SPACES: Choice<'_, ColourSpace> = Choice { names: ColourSpace::NAMES, from_name: ColourSpace::from_name };
+
+const WRAPS: Choice<'_, Wrap> = Choice {
+    names: &["repeat", "clamp", "mirror"],
+    from_name: |name| match name {
+        "repeat" => Some(Wrap::Repeat),
+        "clamp" => Some(Wrap::Clamp),
+        "mirror" => Some(Wrap::Mirror),
+        _ => None,
+    },
+};
+
+/// Reflectances lie in [0, 1].
+const REFLECTANCE: Colour = Colour(FRACTION);
+/// Zero would be a smooth surface, which has a material of its own.
+const ROUGHNESS: Number = Number::above_up_to(0.0, 1.0);
+
+pub(super) fn read(root: &Section<'_>, assets: &mut Assets) -> Vec<MaterialDescription> {
+    let Some(materials) = root.table("materials") else { return Vec::new() };
+    let read_one = |(name, value): (&Spanned<_>, _)| {
+        let name: &str = toml::de::DeString::as_ref(name.get_ref());
+        let label = format!("material `{name}`");
+        Section::of_value(root.reader, label, value).map(|section| read_material(name, section, assets))
+    };
+    materials.entries().into_iter().filter_map(read_one).collect()
+}
+
+fn read_material(name: &str, section: Section<'_>, assets: &mut Assets) -> MaterialDescription {
+    let source = section.source();
+    let kind = match section.get("type") {
+        Some(value) => section.reader.convert("type", value, &MATERIALS),
+        None => {
+            section.missing("type", &MATERIALS.expects());
+            None
+        }
+    };
+    let model = match kind {
+        Some(kind) => {
+            let model = read_model(kind, &section, assets);
+            section.finish();
+            model
+        }
+        None => MaterialModel::Lambert { albedo: Parameter::Constant([0.5; 3]) },
+    };
+    MaterialDescription { name: name.to_owned(), source, model }
+}
+
+fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) -> MaterialModel {
+    match kind {
+        MaterialName::Lambert => MaterialModel::Lambert { albedo: colour("albedo", section, assets) },
+        MaterialName::Mirror => MaterialModel::Mirror { reflectance: colour("reflectance", section, assets) },
+        MaterialName::Dielectric => MaterialModel::Dielectric {
+            ior: section.required("ior", POSITIVE, 1.5),
+            exterior: section.or("exterior", POSITIVE, 1.0),
+            fresnel: section.or("fresnel", Boolean, true),
+        },
+        MaterialName::Conductor => {
+            let (eta, k) = metal(section);
+            MaterialModel::Conductor { eta, k }
+        }
+        MaterialName::RoughDielectric => MaterialModel::RoughDielectric {
+            ior: section.required("ior", POSITIVE, 1.5),
+            exterior: section.or("exterior", POSITIVE, 1.0),
+            roughness: roughness(section, assets),
+        },
+        MaterialName::RoughConductor => {
+            let (eta, k) = metal(section);
+            MaterialModel::RoughConductor { eta, k, roughness: roughness(section, assets) }
+        }
+        MaterialName::Plastic => {
+            MaterialModel::Plastic { albedo: colour("albedo", section, assets), ior: section.or("ior", POSITIVE, 1.5) }
+        }
+    }
+}
+
+/// `preset`, or `eta` and `k`.
+fn metal(section: &Section<'_>) -> ([f64; 3], [f64; 3]) {
+    let presets = Choice { names: Metal::NAMES, from_name: Metal::from_name };
+    let preset = section.get("preset");
+    let (eta, k) = (section.get("eta"), section.get("k"));
+    let placeholder = ([1.0; 3], [1.0; 3]);
+    match (preset, eta, k) {
+        (Some(value), None, None) => {
+            let metal = section.reader.convert("preset", value, &presets);
+            metal.map_or(placeholder, |m| (m.index().eta, m.index().k))
+        }
+        (None, Some(eta), Some(k)) => (
+            section.reader.convert("eta", eta, &Colour(POSITIVE)).unwrap_or(placeholder.0),
+            section.reader.convert("k", k, &Colour(NON_NEGATIVE)).unwrap_or(placeholder.1),
+        ),
+        _ => {
+            section.missing("preset", &format!("{}; or both `eta` and `k` instead", presets.expects()));
+            placeholder
+        }
+    }
+}
+
+fn colour(key: &'static str, section: &Section<'_>, assets: &mut Assets) -> Parameter<[f64; 3]> {
+    parameter(key, section, assets, &REFLECTANCE, Colour(NON_NEGATIVE), [1.0; 3], None)
+}
+
+fn roughness(section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
+    parameter("roughness", section, assets, &ROUGHNESS, NON_NEGATIVE, 1.0, Some(ColourSpace::Linear))
+}
+
+/// A constant, or `{ image, space, wrap, factor }`.
+fn parameter<K: Convert<Output: Copy>>(
+    key: &'static str,
+    section: &Section<'_>,
+    assets: &mut Assets,
+    kind: &K,
+    factor_kind: K,
+    one: K::Output,
+    default_space: Option<ColourSpace>,
+) -> Parameter<K::Output> {
+    let Some(value) = section.get(key) else {
+        section.missing(key, &format!("{}, or {{ image = \"file\" }}", kind.expects()));
+        return Parameter::Constant(one);
+    };
+    let DeValue::Table(table) = value.get_ref() else {
+        return Parameter::Constant(section.reader.convert(key, value, kind).unwrap_or(one));
+    };
+    let image = Section::new(section.reader, format!("`{key}` of {}", section.label()), table, value.span());
+    let file = image.required("image", Text, String::new());
+    let space = image.optional("space", SPACES).or(default_space);
+    let wrap = image.or("wrap", WRAPS, Wrap::Repeat);
+    let factor = image.or("factor", factor_kind, one);
+    let source = image.source();
+    image.finish();
+    if file.is_empty() {
+        return Parameter::Constant(one);
+    }
+    match assets.texture(&file, space, wrap, &source) {
+        Ok(texture) => Parameter::Image { texture, factor },
+        Err(problems) => {
+            section.reader.report_all(problems);
+            Parameter::Constant(one)
+        }
+    }
+}

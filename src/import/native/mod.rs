@@ -1,0 +1,90 @@
+//! The project's own scene file: TOML, every value typed, every problem with its line and column.
+//!
+//! The format is described in [`crate::doc::scene_format`].
+
+mod camera;
+mod convert;
+mod lights;
+mod materials;
+mod objects;
+mod overrides;
+mod reader;
+mod texts;
+
+pub use overrides::Override;
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use self::convert::Integer;
+use self::reader::{Reader, Section};
+use self::texts::Texts;
+use super::assets::Assets;
+use crate::scene::description::SceneDescription;
+use crate::scene::error::{Problem, Problems};
+
+/// The version of the format that this program reads.
+const FORMAT: u64 = 1;
+
+/// Syntax errors reported from one file: after the first few the parser mostly trips over itself.
+const MAX_SYNTAX_ERRORS: usize = 5;
+
+/// Reads `text`, the content of `path`, with `overrides` laid over it; files that it names are found beside `path`.
+///
+/// The problems are those of the text and of the files it names. Unless the text is no TOML at all there is a
+/// description too, with placeholders where values were wrong, so that assembly can go on to find the other problems.
+pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<SceneDescription>, Problems) {
+    let mut texts = Texts::new(path, text);
+    let statements = overrides::statements(overrides, &mut texts);
+    let (document, errors) = DeTable::parse_recoverable(text);
+    if !errors.is_empty() {
+        return (None, syntax_problems(&errors, &texts));
+    }
+    let mut problems = Problems::default();
+    let span = document.span();
+    let mut table = document.into_inner();
+    overrides::apply(&mut table, &statements, &texts, &mut problems);
+    let reader = Reader::new(&texts, problems);
+    let description = read_scene(Section::new(&reader, "the scene", &table, span), path);
+    (Some(description), reader.into_problems())
+}
+
+fn syntax_problems(errors: &[toml::de::Error], texts: &Texts<'_>) -> Problems {
+    let problem = |error: &toml::de::Error| {
+        let source = error.span().map_or_else(|| texts.file().clone(), |span| texts.source(span));
+        Problem::new(format!("not TOML: {}", error.message())).at(&source)
+    };
+    Problems(errors.iter().take(MAX_SYNTAX_ERRORS).map(problem).collect())
+}
+
+fn read_scene(root: Section<'_>, path: &Path) -> SceneDescription {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut assets = Assets::new(folder);
+    let file = root.reader.texts.file().clone();
+
+    let version = Integer { min: FORMAT, max: FORMAT, help: Some("this program reads version 1 of the format") };
+    root.required("format", version, FORMAT);
+    let camera = root.table("camera").map(camera::read);
+    let render = root.table("render");
+    let settings_source = render.as_ref().map_or(file.clone(), Section::source);
+    let settings = render.map(camera::read_settings).unwrap_or_default();
+    let materials = materials::read(&root, &mut assets);
+    let objects = objects::read(&root, &mut assets);
+    let lights = lights::read(&root);
+    // A free table that closed-form tests read.
+    root.get("expect");
+    root.finish();
+
+    SceneDescription {
+        source: file,
+        camera,
+        settings,
+        settings_source,
+        materials: materials.into_iter().chain(assets.materials).collect(),
+        textures: assets.textures,
+        meshes: assets.meshes,
+        objects,
+        lights,
+    }
+}

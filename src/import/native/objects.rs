@@ -1,0 +1,220 @@
+//! `[[objects]]`.
+
+use toml::Spanned;
+use toml::de::DeValue;
+
+use super::convert::{
+    ANY, Array, Boolean, Choice, Colour, Direction, NON_NEGATIVE, POINT, POSITIVE, ScaleFactors, Text,
+};
+use super::reader::Section;
+use crate::import::assets::Assets;
+use crate::scene::description::{
+    Emission, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
+};
+
+#[derive(Clone, Copy, PartialEq)]
+enum ShapeName {
+    Sphere,
+    Cylinder,
+    Torus,
+    Disk,
+    Rectangle,
+    HeightField,
+    Mesh,
+}
+
+const SHAPES: Choice<'_, ShapeName> = Choice {
+    names: &["sphere", "cylinder", "torus", "disk", "rectangle", "height_field", "mesh"],
+    from_name: |name| match name {
+        "sphere" => Some(ShapeName::Sphere),
+        "cylinder" => Some(ShapeName::Cylinder),
+        "torus" => Some(ShapeName::Torus),
+        "disk" => Some(ShapeName::Disk),
+        "rectangle" => Some(ShapeName::Rectangle),
+        "height_field" => Some(ShapeName::HeightField),
+        "mesh" => Some(ShapeName::Mesh),
+        _ => None,
+    },
+};
+
+/// Stands where a mesh could not be read.
+const ABSENT: ShapeDescription = ShapeDescription::Mesh { mesh: None };
+
+pub(super) fn read(root: &Section<'_>, assets: &mut Assets) -> Vec<ObjectDescription> {
+    let sections = root.tables("objects", |i| format!("object {i}"));
+    sections.into_iter().enumerate().flat_map(|(i, section)| read_object(i, section, assets)).collect()
+}
+
+/// The object of a table, or the objects of the materials of its mesh file.
+fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<ObjectDescription> {
+    let source = section.source();
+    let name = section.or("name", Text, format!("object {index}"));
+    let transform = read_transform(&section);
+    let emission = read_emission(&section);
+    let material = section.get("material").map(|value| Reference {
+        name: section.reader.convert("material", value, &Text).unwrap_or_default(),
+        source: section.reader.source(value.span()),
+    });
+    let shape = match section.get("shape") {
+        Some(value) => section.reader.convert("shape", value, &SHAPES),
+        None => {
+            section.missing("shape", &super::convert::Convert::expects(&SHAPES));
+            None
+        }
+    };
+    let parts = match shape {
+        Some(ShapeName::Mesh) => read_mesh(&section, material, assets),
+        Some(shape) => {
+            let material = material.unwrap_or_else(|| {
+                section.missing("material", "the name of a material");
+                Reference { name: String::new(), source: source.clone() }
+            });
+            vec![(read_shape(shape, &section), material)]
+        }
+        None => vec![(ABSENT, material.unwrap_or_else(|| Reference { name: String::new(), source: source.clone() }))],
+    };
+    if shape.is_some() {
+        section.finish();
+    }
+    let several = parts.len() > 1;
+    let part = |(shape, material): (ShapeDescription, Reference)| ObjectDescription {
+        name: if several { format!("{name}/{}", material.name) } else { name.clone() },
+        source: source.clone(),
+        shape,
+        material,
+        transform: transform.clone(),
+        emission: emission.clone(),
+    };
+    parts.into_iter().map(part).collect()
+}
+
+fn read_shape(name: ShapeName, section: &Section<'_>) -> ShapeDescription {
+    let centre = || section.required("centre", POINT, [0.0; 3]);
+    match name {
+        ShapeName::Sphere => {
+            ShapeDescription::Sphere { centre: centre(), radius: section.required("radius", POSITIVE, 1.0) }
+        }
+        ShapeName::Cylinder => ShapeDescription::Cylinder {
+            base: section.required("base", POINT, [0.0; 3]),
+            top: section.required("top", POINT, [0.0, 0.0, 1.0]),
+            radius: section.required("radius", POSITIVE, 1.0),
+        },
+        ShapeName::Torus => ShapeDescription::Torus {
+            centre: centre(),
+            axis: section.required("axis", Direction, [0.0, 1.0, 0.0]),
+            major_radius: section.required("major_radius", POSITIVE, 2.0),
+            minor_radius: section.required("minor_radius", POSITIVE, 1.0),
+        },
+        ShapeName::Disk => ShapeDescription::Disk {
+            centre: centre(),
+            normal: section.required("normal", Direction, [0.0, 1.0, 0.0]),
+            radius: section.required("radius", POSITIVE, 1.0),
+        },
+        ShapeName::Rectangle => ShapeDescription::Rectangle {
+            centre: centre(),
+            a: section.required("a", Direction, [1.0, 0.0, 0.0]),
+            b: section.required("b", Direction, [0.0, 1.0, 0.0]),
+        },
+        ShapeName::HeightField => ShapeDescription::HeightField {
+            centre: centre(),
+            half_size: section.required("half_size", Array(POSITIVE), [1.0; 2]),
+            up: section.or("up", Direction, [0.0, 0.0, 1.0]),
+            x_axis: section.or("x_axis", Direction, [1.0, 0.0, 0.0]),
+            waves: section
+                .tables("waves", |i| format!("wave {i} of {}", section.label()))
+                .into_iter()
+                .map(read_wave)
+                .collect(),
+        },
+        ShapeName::Mesh => ABSENT,
+    }
+}
+
+fn read_wave(section: Section<'_>) -> WaveDescription {
+    let wave = WaveDescription {
+        amplitude: section.required("amplitude", ANY, 1.0),
+        wave_vector: section.required("wave_vector", Array(ANY), [1.0, 0.0]),
+        phase: section.or("phase", ANY, 0.0),
+    };
+    section.finish();
+    wave
+}
+
+fn read_mesh(
+    section: &Section<'_>,
+    material: Option<Reference>,
+    assets: &mut Assets,
+) -> Vec<(ShapeDescription, Reference)> {
+    let smooth = section.optional("smooth", Boolean);
+    let absent = |material: Option<Reference>| {
+        let source = section.source();
+        vec![(ABSENT, material.unwrap_or(Reference { name: String::new(), source }))]
+    };
+    let Some(value) = section.get("file") else {
+        section.missing("file", "the path of an OBJ or PLY file");
+        return absent(material);
+    };
+    let Some(file) = section.reader.convert("file", value, &Text) else { return absent(material) };
+    let used_at = section.reader.source(value.span());
+    let shape = |mesh| ShapeDescription::Mesh { mesh: Some(mesh) };
+    let parts = match &material {
+        Some(material) => assets.mesh(&file, smooth, &used_at).map(|mesh| vec![(shape(mesh), material.clone())]),
+        None => assets
+            .mesh_with_materials(&file, smooth, &used_at)
+            .map(|parts| parts.into_iter().map(|(mesh, material)| (shape(mesh), material)).collect()),
+    };
+    parts.unwrap_or_else(|problems| {
+        section.reader.report_all(problems);
+        absent(material)
+    })
+}
+
+fn read_emission(section: &Section<'_>) -> Option<Emission> {
+    let two_sided = section.get("two_sided");
+    let Some(value) = section.get("emission") else {
+        if let Some(value) = two_sided {
+            let problem = crate::scene::error::Problem::new("`two_sided` without `emission` says nothing");
+            let source = section.reader.source(value.span());
+            section.reader.report(problem.help("give emission = [r, g, b] in W/(m² sr), or remove it").at(&source));
+        }
+        return None;
+    };
+    Some(Emission {
+        source: section.reader.source(value.span()),
+        radiance: section.reader.convert("emission", value, &Colour(NON_NEGATIVE)).unwrap_or([1.0; 3]),
+        two_sided: two_sided.and_then(|v| section.reader.convert("two_sided", v, &Boolean)).unwrap_or(false),
+    })
+}
+
+fn read_transform(section: &Section<'_>) -> Vec<TransformStep> {
+    let steps = section.tables("transform", |i| format!("step {i} of `transform`"));
+    steps.into_iter().filter_map(read_step).collect()
+}
+
+/// A table with one of the keys translate, rotate, scale, matrix.
+fn read_step(section: Section<'_>) -> Option<TransformStep> {
+    let source = section.source();
+    let mut maps = Vec::new();
+    maps.extend(section.optional("translate", POINT).map(TransformMap::Translate));
+    maps.extend(section.get("rotate").and_then(|value| read_rotation(&section, value)));
+    maps.extend(section.optional("scale", ScaleFactors).map(TransformMap::Scale));
+    maps.extend(section.optional("matrix", Array::<_, 3>(Array::<_, 4>(ANY))).map(TransformMap::Matrix));
+    let keys = section.entries().len();
+    if keys != 1 {
+        let message = format!("{} must have one key, it has {keys}", section.label());
+        let help = "write { translate = [x, y, z] }, { rotate = { axis, degrees } }, { scale = s } or { matrix = [[..4], [..4], [..4]] }";
+        section.reader.report(crate::scene::error::Problem::new(message).help(help).at(&source));
+    }
+    section.finish();
+    maps.into_iter().next().map(|map| TransformStep { source, map })
+}
+
+fn read_rotation<'t>(section: &Section<'t>, value: &'t Spanned<DeValue<'t>>) -> Option<TransformMap> {
+    let rotation = Section::of_value(section.reader, "`rotate`", value)?;
+    let map = TransformMap::Rotate {
+        axis: rotation.required("axis", Direction, [0.0, 1.0, 0.0]),
+        degrees: rotation.required("degrees", ANY, 0.0),
+    };
+    rotation.finish();
+    Some(map)
+}

@@ -1,0 +1,125 @@
+//! The lights of a scene, ready to emit.
+
+use super::{AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, SceneSphere, SpotLight};
+use crate::math::Dir3;
+use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
+use crate::sampling::discrete::DiscreteTable;
+use crate::scene::{LightId, LightSource, ObjectGeometry, ObjectId, Scene};
+
+/// A light of the scene that cannot emit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LightError {
+    #[error("the emitting mesh of object \"{object}\" has no area; give it triangles that are not degenerate")]
+    MeshWithoutArea { object: String },
+    #[error(
+        "object \"{object}\" is a {kind}, which cannot be a light; make it a mesh, a sphere, a disk, a rectangle, a cylinder \
+         or a torus"
+    )]
+    ShapeCannotEmit { object: String, kind: &'static str },
+    #[error("the cross-section of directional light {} has no area; its half axes must not be parallel", .light.0)]
+    BeamWithoutArea { light: LightId },
+}
+
+/// All lights of a scene, in the scene's order.
+#[derive(Debug)]
+pub struct Lights {
+    lights: Vec<Box<dyn Light>>,
+    pub(super) by_power: Option<DiscreteTable>,
+    environments: Vec<LightId>,
+    scene: SceneSphere,
+}
+
+impl Lights {
+    /// Builds every light; all that cannot emit are reported at once.
+    pub fn new(scene: &Scene) -> Result<Lights, Vec<LightError>> {
+        let sphere = bounding_sphere(scene);
+        let (mut lights, mut errors) = (Vec::with_capacity(scene.lights.len()), Vec::new());
+        for (i, source) in scene.lights.iter().enumerate() {
+            match build(scene, LightId(i as u32), source, sphere) {
+                Ok(light) => lights.push(light),
+                Err(error) => errors.push(error),
+            }
+        }
+        if !errors.is_empty() {
+            return Err(errors);
+        }
+        let powers: Vec<f64> = lights.iter().map(|light| light.power().0.luminance()).collect();
+        let environments = (0..scene.lights.len())
+            .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. }))
+            .map(|i| LightId(i as u32))
+            .collect();
+        Ok(Lights { lights, by_power: DiscreteTable::new(&powers), environments, scene: sphere })
+    }
+
+    pub fn len(&self) -> usize {
+        self.lights.len()
+    }
+    pub fn is_empty(&self) -> bool {
+        self.lights.is_empty()
+    }
+    /// The light of an id of the same scene.
+    pub fn get(&self, id: LightId) -> &dyn Light {
+        self.lights[id.index()].as_ref()
+    }
+    pub fn iter(&self) -> impl Iterator<Item = (LightId, &dyn Light)> {
+        self.lights.iter().enumerate().map(|(i, light)| (LightId(i as u32), light.as_ref()))
+    }
+    /// The sphere around the scene's objects that unbounded light is aimed at.
+    pub fn scene_sphere(&self) -> SceneSphere {
+        self.scene
+    }
+
+    /// What a ray towards `wi` that leaves the scene meets: the sum of all environments.
+    pub fn environment_radiance(&self, wi: Dir3) -> Radiance {
+        self.environments.iter().map(|&id| self.get(id).environment_radiance(wi)).sum()
+    }
+
+    /// Density with which picking a light and sampling it finds `wi` in one of the environments: the counterpart of
+    /// [`Lights::environment_radiance`] for multiple importance sampling.
+    pub fn environment_pdf(&self, wi: Dir3) -> Pdf<SolidAngle> {
+        let density = |&id: &LightId| (self.get(id).environment_pdf(wi) * self.pick_pmf(id)).get();
+        Pdf::new(self.environments.iter().map(density).sum())
+    }
+}
+
+/// The sphere around the scene's objects; of radius zero if there are none.
+fn bounding_sphere(scene: &Scene) -> SceneSphere {
+    if scene.bounds.is_empty() {
+        return SceneSphere { centre: crate::math::Point3::ORIGIN, radius: 0.0 };
+    }
+    let (centre, radius) = scene.bounds.bounding_sphere();
+    SceneSphere { centre, radius }
+}
+
+fn build(scene: &Scene, id: LightId, source: &LightSource, sphere: SceneSphere) -> Result<Box<dyn Light>, LightError> {
+    Ok(match source {
+        LightSource::Point { position, intensity } => {
+            Box::new(PointLight { position: *position, intensity: Intensity(*intensity) })
+        }
+        LightSource::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+            Box::new(SpotLight::new(*position, *direction, Intensity(*intensity), *cos_inner, *cos_outer))
+        }
+        LightSource::Directional { direction, irradiance, extent } => {
+            let beam = DirectionalLight::new(*direction, Irradiance(*irradiance), extent, sphere);
+            Box::new(beam.ok_or(LightError::BeamWithoutArea { light: id })?)
+        }
+        LightSource::Area { object, radiance, two_sided } => {
+            Box::new(build_area(scene, *object, Radiance(*radiance), *two_sided)?)
+        }
+        LightSource::Environment { radiance } => {
+            Box::new(EnvironmentLight { radiance: Radiance(*radiance), scene: sphere })
+        }
+    })
+}
+
+fn build_area(scene: &Scene, object: ObjectId, radiance: Radiance, two_sided: bool) -> Result<AreaLight, LightError> {
+    let object = &scene.objects[object.index()];
+    match &object.geometry {
+        ObjectGeometry::Mesh { mesh, to_world } => {
+            AreaLight::from_mesh(&scene.meshes[mesh.index()], to_world, radiance, two_sided)
+                .ok_or_else(|| LightError::MeshWithoutArea { object: object.name.clone() })
+        }
+        ObjectGeometry::Shape { shape, to_world } => AreaLight::from_shape(shape, to_world, radiance, two_sided)
+            .ok_or_else(|| LightError::ShapeCannotEmit { object: object.name.clone(), kind: shape.kind() }),
+    }
+}

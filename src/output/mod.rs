@@ -1,0 +1,14 @@
+//! Finished pictures and reports become files: whole or not at all.
+
+pub mod atomic;
+pub mod error;
+pub mod exr;
+pub mod photon_dump;
+pub mod png;
+pub mod sidecar;
+pub mod target;
+
+pub use error::{ReadError, WriteError};
+pub use photon_dump::DumpedPhoton;
+pub use sidecar::BirthCertificate;
+pub use target::{Format, Target};

@@ -1,0 +1,181 @@
+//! The birth certificate of a picture: what made it, from what, and what happened on the way. JSON beside the picture.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::atomic;
+use super::error::WriteError;
+use crate::film::{Cause, Refused};
+use crate::scene::settings::{Bandwidth, RenderSettings};
+
+/// Number of the certificate's layout; it grows when a reader of the old one would be misled.
+pub const SCHEMA: u32 = 1;
+
+/// Which build rendered.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Program {
+    pub name: String,
+    pub version: String,
+    /// Commit of the sources, `-dirty` behind it if they were changed; absent if the build did not know.
+    pub commit: Option<String>,
+}
+
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SceneIdentity {
+    pub path: PathBuf,
+    /// Digest of everything in the scene that can change a pixel.
+    pub hash: String,
+}
+
+/// Who answered the ray queries.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BackendIdentity {
+    pub name: String,
+    pub version: String,
+}
+
+/// Wall-clock time of one kind of work, all passes together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Phase {
+    pub name: String,
+    pub seconds: f64,
+}
+
+/// A sample that the film refused.
+#[derive(Clone, Debug, Serialize)]
+pub struct RefusedPlace {
+    pub x: u32,
+    pub y: u32,
+    pub pass: u32,
+    pub cause: &'static str,
+}
+
+/// How many samples the film refused, and where the first of them were.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RefusedSamples {
+    pub not_a_number: u64,
+    pub too_large: u64,
+    pub negative: u64,
+    pub first: Vec<RefusedPlace>,
+}
+
+impl From<&Refused> for RefusedSamples {
+    fn from(refused: &Refused) -> RefusedSamples {
+        let cause = |cause| match cause {
+            Cause::NotANumber => "not_a_number",
+            Cause::TooLarge => "too_large",
+            Cause::Negative => "negative",
+        };
+        let place =
+            |r: &crate::film::RefusedSample| RefusedPlace { x: r.x, y: r.y, pass: r.pass, cause: cause(r.cause) };
+        RefusedSamples {
+            not_a_number: refused.not_a_number,
+            too_large: refused.too_large,
+            negative: refused.negative,
+            first: refused.first.iter().map(place).collect(),
+        }
+    }
+}
+
+/// Everything that one needs to trust a picture, or to make it again.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BirthCertificate {
+    pub schema: u32,
+    pub program: Program,
+    /// Command and arguments.
+    pub command: Vec<String>,
+    pub scene: SceneIdentity,
+    /// Pixels.
+    pub resolution: [u32; 2],
+    /// Every setting by the name that scene files and the command line give it.
+    pub settings: BTreeMap<&'static str, serde_json::Value>,
+    pub backend: BackendIdentity,
+    pub passes: u32,
+    pub photons_emitted: u64,
+    pub photons_stored: u64,
+    /// What became of photons and rays, by cause.
+    pub counters: BTreeMap<String, u64>,
+    /// The same for each light, in the order of the scene's lights.
+    pub lights: Vec<BTreeMap<String, u64>>,
+    pub refused_samples: RefusedSamples,
+    pub warnings: Vec<String>,
+    pub threads: usize,
+    /// Wall-clock time from the start of the program until the picture was whole.
+    pub seconds: f64,
+    pub phases: Vec<Phase>,
+    /// Peak resident memory of the process.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// Every setting under its name in scene files.
+pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, serde_json::Value> {
+    let bandwidth = match settings.bandwidth {
+        Bandwidth::Auto => "auto".into(),
+        Bandwidth::Scale(s) => s.into(),
+    };
+    let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
+    BTreeMap::from([
+        ("method", settings.method.name().into()),
+        ("backend", settings.backend.name().into()),
+        ("seed", settings.seed.into()),
+        ("passes", settings.passes.into()),
+        ("spp", settings.spp.into()),
+        ("photons", settings.photons.into()),
+        ("emission", settings.emission.name().into()),
+        ("estimator", settings.estimator.name().into()),
+        ("footprint", settings.footprint.name().into()),
+        ("kernel", settings.kernel.name().into()),
+        ("bandwidth", bandwidth),
+        ("k", settings.k.into()),
+        ("max_depth", settings.max_depth.into()),
+        ("max_bounces", settings.max_bounces.into()),
+        ("layers", layers.into()),
+    ])
+}
+
+impl BirthCertificate {
+    /// Where the certificate of `picture` stands: `a.exr` → `a.exr.json`.
+    pub fn path_beside(picture: &Path) -> PathBuf {
+        let mut name = picture.as_os_str().to_owned();
+        name.push(".json");
+        PathBuf::from(name)
+    }
+
+    /// Writes it beside `picture`, whole or not at all.
+    pub fn write_beside(&self, picture: &Path) -> Result<(), WriteError> {
+        let path = BirthCertificate::path_beside(picture);
+        let unfit = |e: serde_json::Error| WriteError::Unfit { path: path.clone(), reason: e.to_string() };
+        let mut text = serde_json::to_vec_pretty(self).map_err(unfit)?;
+        text.push(b'\n');
+        atomic::write(&path, &text)
+    }
+
+    /// The short form for a picture's own header: name and value. What differs between two runs that must give the
+    /// same file (times, threads, the command) is left out unless `with_circumstances`.
+    pub fn attributes(&self, with_circumstances: bool) -> Vec<(String, String)> {
+        let text = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let mut all: Vec<(String, String)> =
+            self.settings.iter().map(|(name, value)| ((*name).to_owned(), text(value))).collect();
+        let mut add = |name: &str, value: String| all.push((name.to_owned(), value));
+        add("version", self.program.version.clone());
+        if let Some(commit) = &self.program.commit {
+            add("commit", commit.clone());
+        }
+        add("sceneHash", self.scene.hash.clone());
+        add("photonsEmitted", self.photons_emitted.to_string());
+        add("photonsStored", self.photons_stored.to_string());
+        add("backendVersion", self.backend.version.clone());
+        if with_circumstances {
+            add("scene", self.scene.path.display().to_string());
+            add("command", self.command.join(" "));
+            add("threads", self.threads.to_string());
+            add("seconds", format!("{:.3}", self.seconds));
+            if let Some(bytes) = self.peak_memory_bytes {
+                add("peakMemoryBytes", bytes.to_string());
+            }
+        }
+        all
+    }
+}

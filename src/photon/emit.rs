@@ -1,0 +1,157 @@
+//! Photons leave a light: sample point → ray, flux, columns.
+//!
+//! The columns of photon i are the Jacobian of the light's emission map times 2/√π of the sides of its cell in the
+//! sample squares: the ellipse inscribed in a pair of columns then covers 1/(n p) for a cell of 1/n, the photon's share
+//! of the light (`[Frisvad-slides]` for uniform p, PHOTON_DIFFERENTIALS 2.2 for any p).
+
+use std::f64::consts::FRAC_2_SQRT_PI;
+use std::ops::Range;
+
+use super::share::Share;
+use crate::light::{Aim, Emission, Light, Lights};
+use crate::sampling::lattice::Rank1Lattice;
+use crate::sampling::{Purpose, Stream, qmc};
+use crate::scene::settings::EmissionPattern;
+use crate::scene::{LightId, RenderSettings};
+
+/// The points in the sample square (u, v; θ, φ) at which one light emits in one pass; point i is a pure function of
+/// (seed, pass, light, i).
+///
+/// The pair that decides where a photon lands leads and gets the better of two point sets: positions for collimated
+/// beams, directions for everything else.
+#[derive(Clone, Debug)]
+pub struct EmissionPoints {
+    pattern: EmissionPattern,
+    collimated: bool,
+    /// Width over height of what the leading pair is mapped to.
+    aspect: f64,
+    lattice: Rank1Lattice,
+    share: Share,
+    shift: [[f64; 2]; 2],
+    seed: u64,
+    pass: u32,
+    light: LightId,
+}
+
+impl EmissionPoints {
+    /// `n` > 0 points for `source`.
+    pub fn new(
+        settings: &RenderSettings,
+        source: &dyn Light,
+        light: LightId,
+        aim: &Aim,
+        share: Share,
+        n: u64,
+        pass: u32,
+    ) -> Self {
+        let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, light.0.into());
+        let shift = [stream.uniform2(), stream.uniform2()];
+        let aspect = source.emission_aspect(aim);
+        let (pattern, collimated, seed) = (settings.emission, source.is_collimated(), settings.seed);
+        EmissionPoints {
+            pattern,
+            collimated,
+            aspect,
+            lattice: Rank1Lattice::new(n, aspect),
+            share,
+            shift,
+            seed,
+            pass,
+            light,
+        }
+    }
+
+    /// The random numbers of photon `i`'s own path.
+    pub fn stream(&self, i: u64) -> Stream {
+        // The light's number sits above any photon index.
+        Stream::new(self.seed, Purpose::Photon, self.pass, i | u64::from(self.light.0) << 44)
+    }
+
+    /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
+    pub fn point(&self, i: u64, stream: &mut Stream) -> [f64; 4] {
+        let n = self.lattice.len();
+        let (lead, other) = match self.pattern {
+            EmissionPattern::Random => (stream.uniform2(), stream.uniform2()),
+            EmissionPattern::Jittered => {
+                // The second pair visits its strata in another order, so that the pairs are independent.
+                let rotation = (self.shift[1][0] * n as f64) as u64;
+                let second = qmc::permuted(i, n, rotation);
+                let lead = qmc::stratum(i, n, self.aspect, stream.uniform2());
+                (lead, qmc::stratum(second, n, 1.0, stream.uniform2()))
+            }
+            EmissionPattern::Lattice => {
+                (qmc::shifted(self.lattice.point(i), self.shift[0]), qmc::shifted(qmc::r2(i), self.shift[1]))
+            }
+        };
+        let (positions, directions) = if self.collimated { (lead, other) } else { (other, lead) };
+        [positions[0], positions[1], directions[0], directions[1]]
+    }
+
+    /// Turns a sample of the light into photon `i` of n: flux divided, columns scaled to the photon's cell. A cell
+    /// of area c in a square that stands for aspect a has the sides √(c/a) and √(c a).
+    pub fn share(&self, mut emission: Emission) -> Emission {
+        let positions = FRAC_2_SQRT_PI * self.share.positions.sqrt();
+        let directions = FRAC_2_SQRT_PI * self.share.directions.sqrt();
+        let stretch = self.aspect.sqrt();
+        let (a, b) = if self.collimated { (stretch, 1.0) } else { (1.0, stretch) };
+        let sides = [positions / a, positions * a, directions / b, directions * b];
+        emission.flux = emission.flux / self.lattice.len() as f64;
+        for (column, side) in emission.jacobian.columns.iter_mut().zip(sides) {
+            *column = column.scaled(side);
+        }
+        emission
+    }
+}
+
+/// A run of consecutive photons of one light: a unit of work.
+#[derive(Clone, Debug)]
+pub struct EmissionUnit {
+    pub light: LightId,
+    points: EmissionPoints,
+    range: Range<u64>,
+}
+
+impl EmissionUnit {
+    /// Cuts a pass's photons, allotted to the lights by what they send towards `aim`, into units of at most `size`.
+    /// `share` gives the cell of each of a light's n photons.
+    pub fn all(
+        lights: &Lights,
+        settings: &RenderSettings,
+        aim: &Aim,
+        pass: u32,
+        size: u64,
+        share: impl Fn(LightId, u64) -> Share,
+    ) -> Vec<EmissionUnit> {
+        let mut units = Vec::new();
+        for ((light, source), n) in lights.iter().zip(lights.allot(settings.photons, aim)) {
+            if n == 0 {
+                continue;
+            }
+            let points = EmissionPoints::new(settings, source, light, aim, share(light, n), n, pass);
+            for start in (0..n).step_by(size as usize) {
+                let range = start..(start + size).min(n);
+                units.push(EmissionUnit { light, points: points.clone(), range });
+            }
+        }
+        units
+    }
+
+    pub fn len(&self) -> u64 {
+        self.range.end - self.range.start
+    }
+    pub fn is_empty(&self) -> bool {
+        self.range.is_empty()
+    }
+
+    /// Emits the unit's photons in order, each with its own stream; samples that carry no flux are left out.
+    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, &mut Stream)) {
+        let light = lights.get(self.light);
+        for i in self.range.clone() {
+            let mut stream = self.points.stream(i);
+            let u = self.points.point(i, &mut stream);
+            if let Some(emission) = light.emit(u, aim).filter(|e| !e.flux.is_zero()) {
+                photon(&self.points.share(emission), &mut stream);
+            }
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! From derivative columns to the ellipse that a photon covers · m² · frame of the receiving surface.
+//!
+//! The kernel's support is { d : dᵀ Q⁻¹ d ≤ 1 }, its area π √det Q.
+
+use crate::differential::Differential;
+use crate::math::{Frame, Vec2, Vec3, linalg};
+use crate::scene::settings::FootprintRule;
+
+/// A symmetric positive semi-definite form on a tangent plane, in the axes (t, b) of a [`Frame`].
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct TangentForm {
+    pub xx: f64,
+    pub xy: f64,
+    pub yy: f64,
+}
+
+impl TangentForm {
+    /// Σ aᵢ aᵢᵀ over tangent vectors.
+    pub fn from_axes(frame: &Frame, axes: impl IntoIterator<Item = Vec3>) -> TangentForm {
+        axes.into_iter().fold(TangentForm::default(), |form, axis| {
+            let a = frame.project(axis);
+            TangentForm { xx: form.xx + a.x * a.x, xy: form.xy + a.x * a.y, yy: form.yy + a.y * a.y }
+        })
+    }
+    pub fn scaled(self, s: f64) -> TangentForm {
+        TangentForm { xx: self.xx * s, xy: self.xy * s, yy: self.yy * s }
+    }
+    pub fn plus(self, other: TangentForm) -> TangentForm {
+        TangentForm { xx: self.xx + other.xx, xy: self.xy + other.xy, yy: self.yy + other.yy }
+    }
+    pub fn determinant(&self) -> f64 {
+        self.xx * self.yy - self.xy * self.xy
+    }
+    pub fn trace(&self) -> f64 {
+        self.xx + self.yy
+    }
+    /// dᵀ Q⁻¹ d, given det Q > 0.
+    pub fn inverse_form(&self, d: Vec2, determinant: f64) -> f64 {
+        (self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y) / determinant
+    }
+    /// Squared semi-axes, ascending, and the direction of the longer one in (t, b).
+    pub fn principal(&self) -> ([f64; 2], Vec2) {
+        let (values, major) = linalg::symmetric_eigen2(self.xx, self.xy, self.yy);
+        (values.map(|v| v.max(0.0)), Vec2::new(major[0], major[1]))
+    }
+    /// Half extents of the ellipse along the world axes: √(eᵀ Q e) for each axis e.
+    pub fn world_half_extents(&self, frame: &Frame) -> Vec3 {
+        let along = |t: f64, b: f64| (self.xx * t * t + 2.0 * self.xy * t * b + self.yy * b * b).max(0.0).sqrt();
+        Vec3::new(along(frame.t.x, frame.b.x), along(frame.t.y, frame.b.y), along(frame.t.z, frame.b.z))
+    }
+}
+
+/// The footprint of columns that [`crate::differential::transfer()`] has put on the surface with tangent frame `frame`,
+/// widened by `scale`.
+///
+/// A column is the full width of its cell, so semi-axes are halves of columns.
+/// * Quadratic: Q = ¼ Σ_k P'_k P'_kᵀ over u, v, θ, φ: covariances of independent parameters add.
+/// * Parallelogram: the slides' (D_u + D_θ, D_v + D_φ), which depends on the bases' relative turn and can vanish.
+pub fn footprint(columns: &Differential<4>, rule: FootprintRule, scale: f64, frame: &Frame) -> TangentForm {
+    let [u, v, theta, phi] = columns.columns.map(|c| c.dx);
+    let form = match rule {
+        FootprintRule::Quadratic => TangentForm::from_axes(frame, [u, v, theta, phi]),
+        FootprintRule::Parallelogram => TangentForm::from_axes(frame, [u + theta, v + phi]),
+    };
+    form.scaled(0.25 * scale * scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::differential::Column;
+    use crate::math::Normal3;
+
+    fn columns(dx: [Vec3; 4]) -> Differential<4> {
+        Differential { columns: dx.map(Column::position) }
+    }
+
+    /// With one pair of columns both rules are the inscribed ellipse: π √det Q = (π/4)|D_u × D_v|.
+    #[test]
+    fn one_pair_gives_the_inscribed_ellipse() {
+        let frame = Frame::from_unit(Normal3::Z);
+        let (a, b) = (Vec3::new(0.3, 0.1, 0.0), Vec3::new(-0.2, 0.4, 0.0));
+        for rule in [FootprintRule::Quadratic, FootprintRule::Parallelogram] {
+            let q = footprint(&columns([a, b, Vec3::ZERO, Vec3::ZERO]), rule, 1.0, &frame);
+            let expected = 0.25 * a.cross(b).length();
+            assert!((q.determinant().sqrt() - expected).abs() < 1e-15);
+        }
+    }
+
+    /// Turning the basis of the directional disc by 90° changes nothing in the quadratic rule and destroys the
+    /// parallelogram's footprint.
+    #[test]
+    fn only_the_quadratic_rule_is_invariant() {
+        let frame = Frame::from_unit(Normal3::Z);
+        let [u, v] = [Vec3::X * 0.02, Vec3::Y * 0.02];
+        let area =
+            |rule, theta, phi| footprint(&columns([u, v, theta, phi]), rule, 1.0, &frame).determinant().max(0.0).sqrt();
+        let (x, y) = (Vec3::X * 0.02, Vec3::Y * 0.02);
+        assert!((area(FootprintRule::Quadratic, x, y) - area(FootprintRule::Quadratic, y, -x)).abs() < 1e-18);
+        assert!(area(FootprintRule::Parallelogram, -x, -y) < 1e-18);
+        assert!(area(FootprintRule::Parallelogram, x, y) > 1e-4);
+    }
+
+    #[test]
+    fn principal_axes_and_world_extents_agree_with_a_known_ellipse() {
+        let frame = Frame { t: Vec3::X, b: Vec3::Y, n: Vec3::Z };
+        let (s, c) = 0.5f64.sin_cos();
+        let q = TangentForm::from_axes(&frame, [Vec3::new(3.0 * c, 3.0 * s, 0.0), Vec3::new(-s, c, 0.0)]);
+        let (values, major) = q.principal();
+        assert!((values[0] - 1.0).abs() < 1e-12 && (values[1] - 9.0).abs() < 1e-12);
+        assert!((major.dot(Vec2::new(c, s))).abs() > 1.0 - 1e-12);
+        let extents = q.world_half_extents(&frame);
+        assert!((extents.x - (9.0 * c * c + s * s).sqrt()).abs() < 1e-12 && extents.z == 0.0);
+    }
+}

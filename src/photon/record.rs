@@ -1,0 +1,91 @@
+//! A stored photon in storage precision: 64 bytes, one cache line.
+
+use super::footprint::TangentForm;
+use crate::math::{Dir3, Frame, Normal3, Point3, Vec3, float};
+use crate::radiometry::{Flux, Spectrum};
+use crate::scene::ObjectId;
+
+/// A photon where it met a surface that scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct Photon {
+    position: [f32; 3],
+    /// W, already divided by the number of photons emitted.
+    flux: [f32; 3],
+    /// Towards where the photon came from.
+    wi: [f32; 3],
+    /// Geometric normal of the receiver.
+    normal: [f32; 3],
+    /// (xx, xy, yy) in the frame that [`Frame::from_unit`] makes of the stored normal.
+    form: [f32; 3],
+    object: u32,
+}
+
+/// A receiver of radius of curvature R rises by h²/2R over a footprint of width h: a tenth covers h up to R/5.
+const THICKNESS: f64 = 0.1;
+/// Below this cosine a photon skims its surface, and sliding along its direction would go far.
+const MIN_SLIDE_COSINE: f64 = 0.1;
+
+const _: () = assert!(size_of::<Photon>() == 64);
+
+impl Photon {
+    /// `form` is in the axes of [`Photon::frame_of`] the same normal.
+    pub fn new(p: Point3, wi: Dir3, normal: Normal3, flux: Flux, form: TangentForm, object: ObjectId) -> Photon {
+        Photon {
+            position: p.as_vec3().to_array(),
+            flux: flux.0.to_array().map(|c| c as f32),
+            wi: wi.as_vec3().to_array(),
+            normal: normal.as_vec3().to_array(),
+            form: [form.xx as f32, form.xy as f32, form.yy as f32],
+            object: object.0,
+        }
+    }
+    /// The tangent frame in which a photon on a surface with this normal keeps its footprint: that of the normal as
+    /// it is stored, so that reading needs nothing but the record.
+    pub fn frame_of(normal: Normal3) -> Frame {
+        Frame::from_unit(widened(normal.as_vec3().to_array()))
+    }
+    pub fn position(&self) -> Point3 {
+        Point3::from_f32(self.position)
+    }
+    pub fn wi(&self) -> Vec3 {
+        widened(self.wi)
+    }
+    pub fn normal(&self) -> Vec3 {
+        widened(self.normal)
+    }
+    pub fn flux(&self) -> Flux {
+        Flux(Spectrum::from(self.flux.map(f64::from)))
+    }
+    pub fn form(&self) -> TangentForm {
+        let [xx, xy, yy] = self.form.map(f64::from);
+        TangentForm { xx, xy, yy }
+    }
+    pub fn frame(&self) -> Frame {
+        Frame::from_unit(self.normal())
+    }
+    /// How far from the photon's tangent plane a surface still counts as the one it lit, m.
+    pub fn thickness(&self) -> f64 {
+        THICKNESS * self.form().trace().sqrt() + float::origin_offset(self.position().abs().max_element())
+    }
+    /// Whether a point at `height` above the photon's tangent plane lies within its thickness.
+    pub fn is_within(&self, height: f64) -> bool {
+        let [xx, _, yy] = self.form;
+        let over = height.abs() - float::origin_offset(self.position().abs().max_element());
+        over <= 0.0 || over * over <= THICKNESS * THICKNESS * f64::from(xx + yy)
+    }
+    /// The direction in which points beside the tangent plane are carried into it, of length 1/cos: along the photon,
+    /// as parallel light would go, or along the normal for a photon that skims its surface.
+    pub fn slide(&self) -> Vec3 {
+        let (wi, n) = (self.wi(), self.normal());
+        let cos = wi.dot(n);
+        if cos.abs() < MIN_SLIDE_COSINE { n } else { wi / cos }
+    }
+    pub fn object(&self) -> ObjectId {
+        ObjectId(self.object)
+    }
+}
+
+fn widened(v: [f32; 3]) -> Vec3 {
+    Vec3::from_array(v.map(f64::from))
+}

@@ -1,0 +1,114 @@
+//! How a photon's share of a source with area is split between where it starts and whither it goes.
+//!
+//! The slides give each photon 1/n of both ([Frisvad-slides]). Footprints then cover a point s² times as for a point
+//! light, but each photon starts elsewhere on the source, so that nothing tiles: the penumbra is as noisy as with random
+//! photons. Wider cells overlap in position and direction. Both parts blur; for a given overlap the blur is least where
+//! they are equally wide on what they light, B √p = D √d for a p part of the source and a d part of the directions, where
+//! B is the width of the whole source's image and D that of all its directions. Pilot photons measure B/D.
+
+use super::trace::PhotonTracer;
+use crate::differential::{Column, Differential};
+use crate::light::{Aim, Emission, Light};
+use crate::sampling::{Purpose, Stream, qmc};
+use crate::scene::LightId;
+
+/// Pilot photons of a light; their mean logarithm of B/D is known to a few per cent.
+const PILOTS: u64 = 512;
+
+/// How many times more footprints cover a point than with cells of 1/n, at most. The work of the estimate grows with
+/// it; where a curved mirror spreads the light, thousands of footprints may lie over a point.
+const OVERLAP: f64 = 4.0;
+
+/// The cell of one photon, as fractions of the two unit squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    pub positions: f64,
+    pub directions: f64,
+}
+
+impl Share {
+    /// 1/n of both: the slides' rule, and the only one for sources without area or without directions.
+    pub fn same(n: u64) -> Share {
+        Share { positions: 1.0 / n as f64, directions: 1.0 / n as f64 }
+    }
+
+    /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
+    ///
+    /// Cells that fill positions × directions, p d = 1/n, need d = ratio/√n. Their overlap grows like √n and so does the
+    /// work; from [`OVERLAP`] on cells shrink like 1/n instead and passes do the rest. A source too small to be cut,
+    /// ratio < 1/√n, is one cell.
+    pub fn equal_parts(n: u64, ratio: f64) -> Share {
+        let n = n as f64;
+        let directions = (ratio / n.sqrt()).min(0.5 * OVERLAP / n).max(1.0 / n).min(1.0);
+        let positions = (directions / (ratio * ratio)).min(1.0).max(1.0 / n);
+        Share { positions, directions }
+    }
+
+    /// The split that makes both parts of the footprints equally wide. `tracer` is a fresh one; what it stores is
+    /// thrown away by the caller.
+    pub fn balanced(source: &dyn Light, light: LightId, aim: &Aim, n: u64, tracer: &mut PhotonTracer) -> Share {
+        let mut log_ratio = 0.0;
+        let mut pairs = 0u32;
+        for i in 0..PILOTS {
+            // The sample points are fixed ones, so that the split is a property of the scene.
+            let (a, b) = (qmc::r2(i), qmc::golden_lattice(i, PILOTS));
+            let Some(emission) = source.emit([a[0], a[1], b[0], b[1]], aim) else { continue };
+            let mut widths = |kept: std::ops::Range<usize>| {
+                tracer.photons.clear();
+                let pilot = Emission { jacobian: only(&emission.jacobian, kept), ..emission };
+                tracer.trace(&pilot, &mut Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i));
+                tracer.photons.iter().map(|photon| photon.form().trace()).collect::<Vec<f64>>()
+            };
+            for (positions, directions) in widths(0..2).into_iter().zip(widths(2..4)) {
+                if positions > 0.0 && directions > 0.0 {
+                    log_ratio += (positions / directions).ln();
+                    pairs += 1;
+                }
+            }
+        }
+        if pairs == 0 {
+            return Share::same(n);
+        }
+        let ratio = (0.5 * log_ratio / f64::from(pairs)).exp();
+        Share::equal_parts(n, ratio)
+    }
+}
+
+/// The Jacobian with the other columns zero.
+fn only(jacobian: &Differential<4>, kept: std::ops::Range<usize>) -> Differential<4> {
+    let mut result = *jacobian;
+    for (k, column) in result.columns.iter_mut().enumerate() {
+        if !kept.contains(&k) {
+            *column = Column::ZERO;
+        }
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_fill_the_space_while_their_overlap_is_small() {
+        for (n, ratio) in [(100u64, 0.15), (20_000, 0.01)] {
+            let share = Share::equal_parts(n, ratio);
+            assert!((share.positions * share.directions * n as f64 - 1.0).abs() < 1e-9, "{share:?}");
+        }
+    }
+
+    #[test]
+    fn both_parts_are_equally_wide_and_their_overlap_bounded() {
+        for (n, ratio) in [(20_000u64, 0.3), (1_000_000, 0.05), (1_000_000, 1.2)] {
+            let share = Share::equal_parts(n, ratio);
+            assert!((share.positions * ratio * ratio / share.directions - 1.0).abs() < 1e-9, "{share:?}");
+            assert!(2.0 * n as f64 * share.directions <= OVERLAP * (1.0 + 1e-12));
+        }
+    }
+
+    #[test]
+    fn a_tiny_source_is_one_cell() {
+        let share = Share::equal_parts(10_000, 1e-6);
+        assert_eq!((share.positions, share.directions), (1.0, 1e-4));
+    }
+}

@@ -1,0 +1,234 @@
+//! One path from the eye: next-event estimation with multiple importance sampling at every vertex that scatters,
+//! specular chains followed, and the points where the photon map is asked.
+//!
+//! The partition (PHOTON_DIFFERENTIALS 9.4): light that reached its last scattering vertex over at least one delta
+//! event, L S⁺ D, belongs to the photon map when there is one. The eye path then drops an emitter that it reaches
+//! over a delta event after a scattering vertex, and nothing else: E S* L stays its own, and shadow rays never cross
+//! a delta lobe.
+
+use crate::camera::CameraRay;
+use crate::differential::{Differential, Refraction, reflect, refract, transfer};
+use crate::estimate::GatherPoint;
+use crate::film::EyeSample;
+use crate::math::{Dir3, Point3, Ray, Vec3};
+use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
+use crate::sampling::Stream;
+use crate::surface::{Bsdf, BsdfSample, Event, Interaction, TransportMode};
+use crate::world::World;
+
+/// Which light eye paths bring back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EyeFinds {
+    /// All of it: the path tracer.
+    Everything,
+    /// All but L S⁺ D, which a photon map adds at the queries.
+    AllButCaustics,
+    /// E S* L only: what light tracing cannot connect to the camera.
+    Emitters,
+}
+
+/// A vertex whose light from photons is still to be added: radiance there times `beta` belongs to the sample.
+pub struct Query {
+    pub point: GatherPoint,
+    pub beta: Spectrum,
+    /// The vertex that fills the sample's `albedo`, `N` and `photons.density` layers.
+    pub first: bool,
+}
+
+/// The fixed part of eye-path tracing.
+pub struct EyePathTracer<'a> {
+    pub world: &'a World,
+    pub finds: EyeFinds,
+    pub max_depth: u32,
+    pub max_bounces: u32,
+    /// Semi-axes of an eye sample's footprint, in pixels.
+    pub sample_radius: f64,
+}
+
+/// Paths longer than this play roulette on what they still carry.
+const ROULETTE_FROM: u32 = 5;
+
+/// A path under way.
+struct Walk {
+    ray: Ray,
+    w: Dir3,
+    differential: Differential<2>,
+    beta: Spectrum,
+    /// Scattering (non-delta) events so far.
+    bounces: u32,
+    /// Delta events since the last scattering event, or since the eye.
+    chain: u32,
+    /// Where the last scattering event was and the density of its direction.
+    scattered: Option<(Point3, Pdf<SolidAngle>)>,
+}
+
+impl EyePathTracer<'_> {
+    /// Traces one path; vertices for the photon map are appended to `queries`.
+    pub fn trace(&self, camera_ray: &CameraRay, stream: &mut Stream, queries: &mut Vec<Query>) -> EyeSample {
+        let mut sample = EyeSample::default();
+        let mut walk = Walk {
+            ray: camera_ray.ray,
+            w: camera_ray.direction,
+            differential: camera_ray.differential,
+            beta: Spectrum::ONE,
+            bounces: 0,
+            chain: 0,
+            scattered: None,
+        };
+        let mut seen_scatter = false;
+        for edge in 1..=self.max_depth {
+            let Some(si) = self.world.intersect(&walk.ray) else {
+                self.add_environment(&walk, &mut sample);
+                break;
+            };
+            if edge == 1 {
+                sample.depth = Some(si.t);
+            }
+            walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
+            self.add_emission(&walk, &si, &mut sample);
+            let bsdf = self.world.bsdf(&si, si.uv_derivatives(&walk.differential));
+            if bsdf.has_scatter() && walk.bounces <= self.max_bounces {
+                if !seen_scatter {
+                    sample.normal = si.ns.to_vec();
+                    sample.albedo = bsdf.albedo(si.wo);
+                }
+                if self.finds != EyeFinds::Emitters {
+                    self.add_direct_light(&walk, &si, &bsdf, stream, &mut sample);
+                }
+                if self.finds == EyeFinds::AllButCaustics {
+                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter));
+                }
+                seen_scatter = true;
+            }
+            if !self.advance(&mut walk, &si, &bsdf, edge, stream) {
+                break;
+            }
+        }
+        sample
+    }
+
+    /// Samples the next direction; false where the path ends.
+    fn advance(&self, walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &mut Stream) -> bool {
+        let (uc, u) = (stream.uniform(), stream.uniform2());
+        let Some(next) = bsdf.sample(si.wo, uc, u, TransportMode::Radiance) else { return false };
+        walk.beta *= next.weight;
+        match next.event {
+            Event::Scatter { pdf } => {
+                if walk.bounces > self.max_bounces || self.finds == EyeFinds::Emitters {
+                    return false;
+                }
+                walk.bounces += 1;
+                walk.chain = 0;
+                walk.scattered = Some((si.p, pdf));
+                walk.differential = Differential::ZERO;
+            }
+            Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
+                walk.chain += 1;
+                walk.differential = redirected(&walk.differential, walk.w, si, &next);
+            }
+        }
+        if walk.beta.is_black() || !survives_roulette(walk, edge, stream) {
+            return false;
+        }
+        walk.w = next.wi;
+        walk.ray = Ray::new(si.ray_origin(next.wi), next.wi);
+        true
+    }
+
+    fn add_emission(&self, walk: &Walk, si: &Interaction, sample: &mut EyeSample) {
+        let Some(id) = self.world.scene.objects[si.object.index()].light else { return };
+        let lights = &self.world.lights;
+        let light = lights.get(id);
+        let radiance = light.radiance(si.ng, si.wo).0;
+        if !radiance.is_black() {
+            let next_event = |from| light.pdf_li(from, walk.w, si.p, si.ng) * lights.pick_pmf(id);
+            self.add_found(walk, radiance, sample, next_event);
+        }
+    }
+
+    fn add_environment(&self, walk: &Walk, sample: &mut EyeSample) {
+        let lights = &self.world.lights;
+        let radiance = lights.environment_radiance(walk.w).0;
+        if !radiance.is_black() {
+            self.add_found(walk, radiance, sample, |_| lights.environment_pdf(walk.w));
+        }
+    }
+
+    /// Adds light that the path ran into, weighted against next-event estimation from the last scattering vertex.
+    fn add_found(
+        &self,
+        walk: &Walk,
+        radiance: Spectrum,
+        sample: &mut EyeSample,
+        next_event: impl Fn(Point3) -> Pdf<SolidAngle>,
+    ) {
+        match walk.scattered {
+            None => sample.direct += walk.beta * radiance,
+            Some(_) if walk.chain > 0 => {
+                if self.finds == EyeFinds::Everything {
+                    sample.caustic += walk.beta * radiance;
+                }
+            }
+            Some((from, pdf)) => {
+                let weight = power_heuristic(pdf.get(), next_event(from).get());
+                let light = walk.beta * radiance * weight;
+                // The edge just flown belongs to the bounce before it.
+                if walk.bounces == 1 { sample.direct += light } else { sample.indirect += light }
+            }
+        }
+    }
+
+    fn add_direct_light(
+        &self,
+        walk: &Walk,
+        si: &Interaction,
+        bsdf: &Bsdf,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) {
+        let (choice, u) = (stream.uniform(), stream.uniform2());
+        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let Some(found) = self.world.lights.get(choice.light).sample_li(si.p, u) else { return };
+        let f = bsdf.f(si.wo, found.wi, TransportMode::Radiance) * si.ns.dot(found.wi).abs();
+        if f.is_black() || found.weight.is_zero() || !self.world.visible(si, found.wi, found.distance) {
+            return;
+        }
+        let weight = match found.pdf {
+            // Nothing else can find a delta light.
+            None => 1.0,
+            Some(pdf) => {
+                let scatter = bsdf.pdf(si.wo, found.wi, TransportMode::Radiance);
+                power_heuristic((pdf * choice.pmf).get(), scatter.get())
+            }
+        };
+        let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
+        if walk.bounces == 0 { sample.direct += light } else { sample.indirect += light }
+    }
+
+    fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool) -> Query {
+        let eye: [Vec3; 2] = walk.differential.columns.map(|c| c.dx * self.sample_radius);
+        let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye };
+        Query { point, beta: walk.beta, first }
+    }
+}
+
+fn redirected(columns: &Differential<2>, w: Dir3, si: &Interaction, next: &BsdfSample) -> Differential<2> {
+    match next.event {
+        Event::DeltaTransmission { eta, .. } => match refract(columns, w, si.ns, &si.shape, eta) {
+            Refraction::Transmitted(_, columns) | Refraction::TotalReflection(_, columns) => columns,
+        },
+        _ => reflect(columns, w, si.ns, &si.shape).1,
+    }
+}
+
+fn survives_roulette(walk: &mut Walk, edge: u32, stream: &mut Stream) -> bool {
+    if edge < ROULETTE_FROM {
+        return true;
+    }
+    let q = walk.beta.max_component().min(0.95);
+    if stream.uniform() >= q {
+        return false;
+    }
+    walk.beta *= 1.0 / q;
+    true
+}

@@ -1,0 +1,150 @@
+//! The unbiased reference from the other side: light paths, every scattering vertex connected to the camera.
+//!
+//! Finds L … D E. What lies behind a specular chain from the eye (D S⁺ E) cannot be connected and is missing; emitters
+//! seen by the eye, E S* L, are added by eye paths.
+
+use super::exposure::expose;
+use super::eye_path::EyeFinds;
+use super::progress::Progress;
+use super::unit::run_in_order;
+use crate::camera::Camera;
+use crate::film::{Film, SplatBuffer};
+use crate::light::{Aim, Emission};
+use crate::math::{Dir3, Ray};
+use crate::photon::{EmissionUnit, Share};
+use crate::radiometry::Spectrum;
+use crate::sampling::Stream;
+use crate::sampling::warp::{ConcentricDisk, Warp};
+use crate::scene::settings::Layer;
+use crate::surface::adjoint::shading_normal_factor;
+use crate::surface::{Bsdf, Event, Interaction, TransportMode};
+use crate::world::World;
+
+/// Light paths in a unit of work.
+const PATHS_PER_UNIT: u64 = 16384;
+
+/// One pass of the light tracer: `settings.photons` light paths over all lights.
+pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, progress: &dyn Progress) {
+    expose(world, camera, pass, EyeFinds::Emitters, None, film, progress);
+    let settings = &world.scene.settings;
+    let units =
+        EmissionUnit::all(&world.lights, settings, &Aim::Everywhere, pass, PATHS_PER_UNIT, |_, n| Share::same(n));
+    progress.phase("light paths", units.len() as u64);
+    let (width, height, filter) = (film.width(), film.height(), world.scene.camera.filter);
+    let trace = |i: usize| {
+        let mut tracer = LightTracer { world, camera, splats: SplatBuffer::new(width, height, pass, filter) };
+        units[i].emit(&world.lights, &Aim::Everywhere, |emission, stream| tracer.trace(emission, stream));
+        tracer.splats
+    };
+    run_in_order(units.len(), progress, trace, |splats| film.add_splats(&splats));
+    progress.finish();
+}
+
+struct LightTracer<'a> {
+    world: &'a World,
+    camera: &'a Camera,
+    splats: SplatBuffer,
+}
+
+/// A light path under way.
+struct Walk {
+    ray: Ray,
+    /// W, times what the path's events left of it.
+    flux: Spectrum,
+    scatter_events: u32,
+    /// Whether all events so far were delta ones, and how many.
+    leading_delta_events: Option<u32>,
+    /// The part of the picture that the path's light belongs to, decided at its first scattering vertex.
+    layer: Option<Layer>,
+}
+
+impl LightTracer<'_> {
+    fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
+        let settings = &self.world.scene.settings;
+        let mut walk = Walk {
+            ray: Ray::new(emission.ray_origin(), emission.direction),
+            flux: emission.flux.0,
+            scatter_events: 0,
+            leading_delta_events: Some(0),
+            layer: None,
+        };
+        for edge in 1..settings.max_depth {
+            let Some(si) = self.world.intersect(&walk.ray) else { return };
+            let bsdf = self.world.bsdf_unfiltered(&si);
+            if bsdf.has_scatter() {
+                if walk.scatter_events > settings.max_bounces {
+                    return;
+                }
+                self.connect(&walk, &si, &bsdf, stream);
+            }
+            if !advance(&mut walk, &si, &bsdf, edge, stream) {
+                return;
+            }
+        }
+    }
+
+    fn connect(&mut self, walk: &Walk, si: &Interaction, bsdf: &Bsdf, stream: &mut Stream) {
+        let lens = ConcentricDisk.sample(stream.uniform2());
+        let Some(seen) = self.camera.connect(si.p, lens) else { return };
+        let film = self.world.scene.camera.resolution.map(f64::from);
+        // A filter may carry a splat in from a pixel or two outside.
+        let near = |x: f64, size: f64| x > -2.0 && x < size + 2.0;
+        if !near(seen.raster.x, film[0]) || !near(seen.raster.y, film[1]) {
+            return;
+        }
+        let f = bsdf.f(si.wo, seen.w, TransportMode::Importance) * cosine(si, seen.w);
+        let value = walk.flux * f * seen.importance;
+        if !value.is_black() && self.world.visible(si, seen.w, seen.origin.distance(si.p)) {
+            self.splats.add_splat(seen.raster.x, seen.raster.y, layer_at(walk), value);
+        }
+    }
+}
+
+/// The cosine at a scattering vertex with the particle's correction for shading normals.
+fn cosine(si: &Interaction, wi: Dir3) -> f64 {
+    si.ns.dot(wi).abs() * shading_normal_factor(si.wo, wi, si.ns, si.ng)
+}
+
+/// Direct: L D E; caustic: L S⁺ D …; indirect: L D … as in the eye path's parts.
+fn layer_at(walk: &Walk) -> Layer {
+    walk.layer.unwrap_or(match walk.leading_delta_events {
+        Some(0) => Layer::Direct,
+        Some(_) => Layer::Caustic,
+        None => Layer::Indirect,
+    })
+}
+
+/// Samples the next direction; false where the path ends.
+fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &mut Stream) -> bool {
+    let (uc, u) = (stream.uniform(), stream.uniform2());
+    let Some(next) = bsdf.sample(si.wo, uc, u, TransportMode::Importance) else { return false };
+    let before = walk.flux.max_component();
+    walk.flux *= next.weight;
+    match next.event {
+        Event::Scatter { .. } => {
+            walk.flux *= shading_normal_factor(si.wo, next.wi, si.ns, si.ng);
+            if walk.layer.is_none() {
+                let caustic = walk.leading_delta_events.is_some_and(|n| n > 0);
+                walk.layer = Some(if caustic { Layer::Caustic } else { Layer::Indirect });
+            }
+            walk.leading_delta_events = None;
+            walk.scatter_events += 1;
+        }
+        Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
+            walk.leading_delta_events = walk.leading_delta_events.map(|n| n + 1);
+        }
+    }
+    if walk.flux.is_black() {
+        return false;
+    }
+    // Roulette on what the event left, so that flux stays near the photon's own.
+    let q = (walk.flux.max_component() / before).min(1.0);
+    if edge > 2 && q < 1.0 {
+        if stream.uniform() >= q {
+            return false;
+        }
+        walk.flux *= 1.0 / q;
+    }
+    walk.ray = Ray::new(si.ray_origin(next.wi), next.wi);
+    true
+}

@@ -1,0 +1,59 @@
+//! The main conductor: one pass reads emit → trace → map → gather → film.
+
+use super::exposure::expose;
+use super::eye_path::EyeFinds;
+use super::progress::Progress;
+use super::unit::run_in_order;
+use crate::camera::Camera;
+use crate::estimate::{Estimate, bandwidth};
+use crate::film::Film;
+use crate::light::Aim;
+use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonMap, PhotonTracer, Share};
+use crate::scene::LightId;
+use crate::scene::settings::FootprintRule;
+use crate::world::World;
+
+/// Photons in a unit of work.
+const PHOTONS_PER_UNIT: u64 = 4096;
+
+/// One pass of the photon-map renderer, added to the film.
+pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, progress: &dyn Progress) -> PhotonMap {
+    let map = shoot(world, pass, progress);
+    let estimate = Estimate::new(&map, &world.scene.settings);
+    expose(world, camera, pass, EyeFinds::AllButCaustics, Some(&estimate), film, progress);
+    map
+}
+
+/// emit → trace → map: the photons of pass `pass`.
+pub fn shoot(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
+    let settings = &world.scene.settings;
+    let Some(aim) = &world.aim else { return PhotonMap::empty(world.lights.len()) };
+    let units = EmissionUnit::all(&world.lights, settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
+        share_of(world, light, aim, n)
+    });
+    let scale = bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel);
+    let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
+    let mut traced = Vec::with_capacity(units.len());
+    progress.phase("photons", units.len() as u64);
+    let trace = |i: usize| {
+        let mut tracer = PhotonTracer::new(world, limits, settings.footprint, scale);
+        units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+        tracer.counts.photons_emitted = units[i].len();
+        (units[i].light, tracer.photons, tracer.counts)
+    };
+    run_in_order(units.len(), progress, trace, |unit: (LightId, Vec<Photon>, PhotonCounts)| traced.push(unit));
+    progress.finish();
+    PhotonMap::from_units(world.lights.len(), traced)
+}
+
+/// The cells of a light's photons. The parallelogram belongs to the slides' method, and so do the slides' cells.
+fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
+    let settings = &world.scene.settings;
+    let source = world.lights.get(light);
+    if source.is_delta() || settings.footprint == FootprintRule::Parallelogram {
+        return Share::same(n);
+    }
+    let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
+    let mut pilot = PhotonTracer::new(world, limits, settings.footprint, 1.0);
+    Share::balanced(source, light, aim, n, &mut pilot)
+}

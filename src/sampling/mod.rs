@@ -1,0 +1,9 @@
+//! Random streams, sample patterns and warps of the unit square.
+
+pub mod discrete;
+pub mod lattice;
+pub mod qmc;
+pub mod stream;
+pub mod warp;
+
+pub use stream::{Purpose, Stream};

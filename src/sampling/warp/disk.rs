@@ -1,0 +1,181 @@
+//! The concentric map of the square onto the unit disk and what is lifted from it: the cosine-weighted hemisphere and
+//! the uniform cone · local frame, axis z · `[Shirley97]`, `[Malley88]`.
+
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, PI};
+
+use super::Warp;
+use crate::math::{Dir3, Vec2, Vec3};
+use crate::radiometry::{Area, Pdf, SolidAngle};
+
+/// How far outside its range, relative to its size, a point may be by rounding and still count as inside.
+const ROUNDING: f64 = 1e-9;
+
+/// Smallest 1 − r² of a lifted disk point: the horizon is never reached, so that Jacobians stay finite.
+const HORIZON: f64 = 2.0 * f64::EPSILON;
+
+/// Uniform over the unit disk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConcentricDisk;
+
+impl Warp for ConcentricDisk {
+    type Out = Vec2;
+    type Tangent = Vec2;
+    type Measure = Area;
+
+    fn sample(&self, u: [f64; 2]) -> Vec2 {
+        let [a, b] = u.map(|x| 2.0 * x - 1.0);
+        if a == 0.0 && b == 0.0 {
+            return Vec2::ZERO;
+        }
+        // Squares become circles: the larger coordinate is the signed radius, the ratio the angle.
+        if a.abs() > b.abs() {
+            let (sin, cos) = (FRAC_PI_4 * (b / a)).sin_cos();
+            Vec2::new(a * cos, a * sin)
+        } else {
+            let (sin, cos) = (FRAC_PI_4 * (a / b)).sin_cos();
+            Vec2::new(b * sin, b * cos)
+        }
+    }
+
+    fn pdf(&self, x: Vec2) -> Pdf<Area> {
+        Pdf::new(if x.length_squared() <= 1.0 + ROUNDING { FRAC_1_PI } else { 0.0 })
+    }
+
+    fn inverse(&self, x: Vec2) -> Option<[f64; 2]> {
+        let r = x.length();
+        if r == 0.0 {
+            return Some([0.5; 2]);
+        }
+        let square = if x.x.abs() > x.y.abs() {
+            let a = r.copysign(x.x);
+            [a, a * (x.y / x.x).atan() / FRAC_PI_4]
+        } else {
+            let b = r.copysign(x.y);
+            [b * (x.x / x.y).atan() / FRAC_PI_4, b]
+        };
+        (r <= 1.0 + ROUNDING).then(|| square.map(|a| (0.5 * (a + 1.0)).clamp(0.0, 1.0)))
+    }
+
+    fn jacobian(&self, u: [f64; 2]) -> [Vec2; 2] {
+        let [a, b] = u.map(|x| 2.0 * x - 1.0);
+        // With r = a, φ = (π/4) b/a: ∂r/∂a = 1, r ∂φ/∂a = −φ, r ∂φ/∂b = π/4; a factor 2 from the square's size.
+        if a.abs() > b.abs() {
+            let phi = FRAC_PI_4 * (b / a);
+            let (sin, cos) = phi.sin_cos();
+            [2.0 * Vec2::new(cos + phi * sin, sin - phi * cos), 2.0 * FRAC_PI_4 * Vec2::new(-sin, cos)]
+        } else {
+            let phi = if b == 0.0 { 0.0 } else { FRAC_PI_4 * (a / b) };
+            let (sin, cos) = phi.sin_cos();
+            [2.0 * FRAC_PI_4 * Vec2::new(cos, -sin), 2.0 * Vec2::new(sin - phi * cos, cos + phi * sin)]
+        }
+    }
+}
+
+/// Density cos θ/π over the upper hemisphere: the concentric disk lifted straight up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CosineHemisphere;
+
+/// Height of the hemisphere over a disk point.
+fn lifted(disk: Vec2) -> f64 {
+    let r = disk.length();
+    ((1.0 - r) * (1.0 + r)).max(HORIZON).sqrt()
+}
+
+impl Warp for CosineHemisphere {
+    type Out = Dir3;
+    type Tangent = Vec3;
+    type Measure = SolidAngle;
+
+    fn sample(&self, u: [f64; 2]) -> Dir3 {
+        let disk = ConcentricDisk.sample(u);
+        Dir3::from_unit(disk.extend(lifted(disk)))
+    }
+
+    fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
+        Pdf::new(w.z.max(0.0) * FRAC_1_PI)
+    }
+
+    fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
+        if w.z > 0.0 { ConcentricDisk.inverse(w.truncate()) } else { None }
+    }
+
+    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
+        let disk = ConcentricDisk.sample(u);
+        let z = lifted(disk);
+        ConcentricDisk.jacobian(u).map(|d| d.extend(-disk.dot(d) / z))
+    }
+}
+
+/// Uniform over the directions within an angle of z: the disk's r² becomes the cap's height, which keeps areas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UniformCone {
+    /// 1 − cos of the half angle, in (0, 2).
+    height: f64,
+}
+
+impl UniformCone {
+    /// `cos_half_angle` in (−1, 1).
+    pub fn from_cos(cos_half_angle: f64) -> UniformCone {
+        UniformCone { height: 1.0 - cos_half_angle }
+    }
+
+    /// A cone narrower than the hemisphere from sin² of its half angle, exact for narrow cones too.
+    pub fn from_sin_squared(sin_squared: f64) -> UniformCone {
+        UniformCone { height: sin_squared / (1.0 + (1.0 - sin_squared).max(0.0).sqrt()) }
+    }
+
+    /// 1 − cos of the half angle.
+    pub fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// Solid angle, sr.
+    pub fn solid_angle(&self) -> f64 {
+        2.0 * PI * self.height
+    }
+
+    /// The direction over a disk point, and the sine per unit of the disk's radius.
+    fn over(&self, disk: Vec2) -> (Vec3, f64) {
+        let r2 = disk.length_squared();
+        // sin²θ = (1 − z)(1 + z) = h r² (2 − h r²).
+        let s = (self.height * (2.0 - self.height * r2).max(HORIZON)).sqrt();
+        ((s * disk).extend(1.0 - self.height * r2), s)
+    }
+
+    /// ∂ω/∂h at fixed `u`, h = [`UniformCone::height`]: how directions move when the cone opens.
+    pub fn height_derivative(&self, u: [f64; 2]) -> Vec3 {
+        let disk = ConcentricDisk.sample(u);
+        let r2 = disk.length_squared();
+        let (_, s) = self.over(disk);
+        ((1.0 - self.height * r2) / s * disk).extend(-r2)
+    }
+}
+
+impl Warp for UniformCone {
+    type Out = Dir3;
+    type Tangent = Vec3;
+    type Measure = SolidAngle;
+
+    fn sample(&self, u: [f64; 2]) -> Dir3 {
+        Dir3::from_unit(self.over(ConcentricDisk.sample(u)).0)
+    }
+
+    fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
+        Pdf::new(if self.inverse(w).is_some() { 1.0 / self.solid_angle() } else { 0.0 })
+    }
+
+    fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
+        let s = (self.height * (1.0 + w.z)).sqrt();
+        if s > 0.0 { ConcentricDisk.inverse(w.truncate() / s) } else { None }
+    }
+
+    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
+        let disk = ConcentricDisk.sample(u);
+        let (_, s) = self.over(disk);
+        ConcentricDisk.jacobian(u).map(|d| {
+            let dr2 = 2.0 * disk.dot(d);
+            let ds = -0.5 * self.height * self.height / s * dr2;
+            (s * d + ds * disk).extend(-self.height * dr2)
+        })
+    }
+}

@@ -1,0 +1,125 @@
+//! Light sources: that they send something somewhere.
+
+use super::Report;
+use crate::math::{Dir3, Point3, Vec3};
+use crate::radiometry::Spectrum;
+use crate::scene::description::{ExtentDescription, LightDescription, LightModel, SceneDescription};
+use crate::scene::error::Problem;
+use crate::scene::light::{BeamExtent, LightSource};
+
+/// Cosine between axes up to which they count as perpendicular.
+const PERPENDICULAR: f64 = 1e-6;
+
+pub(super) fn assemble(described: &[LightDescription], report: &mut Report) -> Vec<LightSource> {
+    described.iter().filter_map(|light| assemble_light(light, report)).collect()
+}
+
+/// At least one light must emit something.
+pub(super) fn check_some_light(lights: &[LightSource], description: &SceneDescription, report: &mut Report) {
+    let described = !description.lights.is_empty() || description.objects.iter().any(|o| o.emission.is_some());
+    if lights.is_empty() && !described {
+        let problem = Problem::new("the scene has no light").at(&description.source);
+        report.problem(problem.help("add a [[lights]] table, or give an object `emission`"));
+    }
+}
+
+fn assemble_light(light: &LightDescription, report: &mut Report) -> Option<LightSource> {
+    let mut checks = Checks { light, report };
+    match light.model {
+        LightModel::Point { position, intensity } => {
+            let intensity = checks.power("intensity", intensity);
+            Some(LightSource::Point { position: checks.point("position", position), intensity })
+        }
+        LightModel::Spot { position, target, intensity, angle_degrees, penumbra_degrees } => {
+            let intensity = checks.power("intensity", intensity);
+            let position = checks.point("position", position);
+            let axis = checks.point("target", target) - position;
+            if !(angle_degrees > 0.0 && angle_degrees <= 180.0) {
+                checks.refuse(format!("`angle_degrees` is {angle_degrees}"), "it must be above 0 and at most 180");
+            }
+            if !(0.0..=angle_degrees).contains(&penumbra_degrees) {
+                let help = "it must be from 0 to `angle_degrees`";
+                checks.refuse(format!("`penumbra_degrees` is {penumbra_degrees}"), help);
+            }
+            let direction = checks.direction("`position` and `target` are the same point", axis)?;
+            let cos_inner = (angle_degrees - penumbra_degrees).to_radians().cos();
+            let cos_outer = angle_degrees.to_radians().cos();
+            Some(LightSource::Spot { position, direction, intensity, cos_inner, cos_outer })
+        }
+        LightModel::Directional { direction, irradiance, extent } => {
+            let irradiance = checks.power("irradiance", irradiance);
+            let direction = checks.direction("`direction` has no length", Vec3::from(direction))?;
+            let extent = checks.extent(extent, direction)?;
+            Some(LightSource::Directional { direction, irradiance, extent })
+        }
+        LightModel::Environment { radiance } => {
+            Some(LightSource::Environment { radiance: checks.power("radiance", radiance) })
+        }
+    }
+}
+
+struct Checks<'a> {
+    light: &'a LightDescription,
+    report: &'a mut Report,
+}
+
+impl Checks<'_> {
+    fn refuse(&mut self, message: String, help: &str) {
+        self.report.problem(Problem::new(format!("light: {message}")).help(help).at(&self.light.source));
+    }
+
+    fn power(&mut self, name: &str, value: [f64; 3]) -> Spectrum {
+        let power = Spectrum::from(value);
+        if !(power.is_finite() && power.min_component() >= 0.0) {
+            self.refuse(format!("`{name}` is {value:?}"), "it must be finite and ≥ 0");
+        } else if power.is_black() {
+            self.refuse(format!("`{name}` is 0: it emits nothing"), "give it power, or remove the light");
+        }
+        power
+    }
+
+    fn point(&mut self, name: &str, value: [f64; 3]) -> Point3 {
+        let point = Point3::from(value);
+        if !point.is_finite() {
+            self.refuse(format!("`{name}` is {value:?}"), "give finite numbers");
+        }
+        point
+    }
+
+    fn direction(&mut self, message: &str, value: Vec3) -> Option<Dir3> {
+        let direction = Dir3::new(value);
+        if direction.is_none() {
+            self.refuse(message.to_owned(), "it must point somewhere");
+        }
+        direction
+    }
+
+    fn extent(&mut self, extent: ExtentDescription, direction: Dir3) -> Option<BeamExtent> {
+        match extent {
+            ExtentDescription::Unbounded => Some(BeamExtent::Unbounded),
+            ExtentDescription::Disk { centre, radius } => {
+                if !(radius > 0.0 && radius.is_finite()) {
+                    self.refuse(format!("`extent.radius` is {radius}"), "it must be a finite number > 0");
+                }
+                Some(BeamExtent::Disk { centre: self.point("extent.centre", centre), radius })
+            }
+            ExtentDescription::Rectangle { centre, a, b } => {
+                let centre = self.point("extent.centre", centre);
+                let (a, b) = (Vec3::from(a), Vec3::from(b));
+                let unit_a = self.direction("`extent.a` has no length", a)?;
+                let unit_b = self.direction("`extent.b` has no length", b)?;
+                for (what, cosine) in [
+                    ("`extent.a` and `extent.b` are not perpendicular", unit_a.dot(unit_b)),
+                    ("`extent.a` is not perpendicular to `direction`", unit_a.dot(direction)),
+                    ("`extent.b` is not perpendicular to `direction`", unit_b.dot(direction)),
+                ] {
+                    if cosine.abs() > PERPENDICULAR {
+                        let message = format!("{what} (the cosine of their angle is {cosine:.3e})");
+                        self.refuse(message, "the extent is the beam's cross-section: half axes across the direction");
+                    }
+                }
+                Some(BeamExtent::Rectangle { centre, a, b })
+            }
+        }
+    }
+}

@@ -1,0 +1,327 @@
+//! A digest of everything in a description that can change a pixel: contents of meshes and images included, names,
+//! paths, the order of materials and the choice of layers not.
+
+use super::camera::PixelFilter;
+use super::description::{
+    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialModel,
+    ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
+};
+use super::mesh::TriangleMesh;
+use super::settings::{Bandwidth, RenderSettings};
+use super::texture::{ImageTexture, Wrap};
+
+/// Changes when the serialisation below does.
+const VERSION: &str = "pdembree scene 1";
+
+/// BLAKE3 over a canonical serialisation, 64 hexadecimal digits.
+pub fn digest(description: &SceneDescription) -> String {
+    let mut out = Canonical(blake3::Hasher::new());
+    out.tag(VERSION);
+    if let Some(camera) = &description.camera {
+        out.camera(camera);
+    }
+    out.settings(&description.settings);
+    out.count(description.objects.len());
+    for object in &description.objects {
+        out.object(object, description);
+    }
+    out.count(description.lights.len());
+    for light in &description.lights {
+        out.light(light);
+    }
+    out.0.finalize().to_hex().to_string()
+}
+
+/// Writes values one after the other; lengths go before lists and tags before alternatives, so nothing is ambiguous.
+struct Canonical(blake3::Hasher);
+
+impl Canonical {
+    fn bytes(&mut self, bytes: &[u8]) {
+        self.0.update(bytes);
+    }
+    fn integer(&mut self, value: u64) {
+        self.bytes(&value.to_le_bytes());
+    }
+    fn count(&mut self, value: usize) {
+        self.integer(value as u64);
+    }
+    fn tag(&mut self, tag: &str) {
+        self.count(tag.len());
+        self.bytes(tag.as_bytes());
+    }
+    fn numbers(&mut self, values: &[f64]) {
+        for value in values {
+            self.integer(value.to_bits());
+        }
+    }
+    fn singles<const N: usize>(&mut self, values: &[[f32; N]]) {
+        self.count(values.len());
+        // In blocks: one call of the hasher a number would be slow for large meshes.
+        for block in values.chunks(4096) {
+            let bytes: Vec<u8> = block.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
+            self.bytes(&bytes);
+        }
+    }
+
+    fn camera(&mut self, camera: &CameraDescription) {
+        match camera.model {
+            CameraModelDescription::Perspective { fov_degrees } => {
+                self.tag("perspective");
+                self.numbers(&[fov_degrees]);
+            }
+            CameraModelDescription::Orthographic { width } => {
+                self.tag("orthographic");
+                self.numbers(&[width]);
+            }
+            CameraModelDescription::ThinLens { fov_degrees, lens_radius, focus_distance } => {
+                self.tag("thin_lens");
+                self.numbers(&[fov_degrees, lens_radius, focus_distance]);
+            }
+        }
+        self.numbers([camera.position, camera.target, camera.up].as_flattened());
+        for side in camera.resolution {
+            self.integer(side.into());
+        }
+        self.tag(match camera.filter {
+            PixelFilter::Box => "box",
+            PixelFilter::Gaussian => "gaussian",
+        });
+    }
+
+    fn settings(&mut self, settings: &RenderSettings) {
+        // Layers stand beside the picture and change none of its pixels.
+        let RenderSettings {
+            method,
+            backend,
+            seed,
+            passes,
+            spp,
+            photons,
+            emission,
+            estimator,
+            footprint,
+            kernel,
+            bandwidth,
+            k,
+            max_depth,
+            max_bounces,
+            layers: _,
+        } = settings;
+        for name in [method.name(), backend.name(), emission.name(), estimator.name(), footprint.name(), kernel.name()]
+        {
+            self.tag(name);
+        }
+        for value in [*seed, u64::from(*passes), u64::from(*spp), *photons, u64::from(*k)] {
+            self.integer(value);
+        }
+        self.integer(u64::from(*max_depth));
+        self.integer(u64::from(*max_bounces));
+        match bandwidth {
+            Bandwidth::Auto => self.tag("auto"),
+            Bandwidth::Scale(s) => {
+                self.tag("scale");
+                self.numbers(&[*s]);
+            }
+        }
+    }
+
+    fn object(&mut self, object: &ObjectDescription, description: &SceneDescription) {
+        self.shape(&object.shape, description);
+        self.count(object.transform.len());
+        for step in &object.transform {
+            match step.map {
+                TransformMap::Translate(t) => {
+                    self.tag("translate");
+                    self.numbers(&t);
+                }
+                TransformMap::Rotate { axis, degrees } => {
+                    self.tag("rotate");
+                    self.numbers(&axis);
+                    self.numbers(&[degrees]);
+                }
+                TransformMap::Scale(s) => {
+                    self.tag("scale");
+                    self.numbers(&s);
+                }
+                TransformMap::Matrix(rows) => {
+                    self.tag("matrix");
+                    self.numbers(rows.as_flattened());
+                }
+            }
+        }
+        match &object.emission {
+            None => self.tag("dark"),
+            Some(emission) => {
+                self.tag("emits");
+                self.numbers(&emission.radiance);
+                self.integer(emission.two_sided.into());
+            }
+        }
+        // By content, so that neither names nor the order of materials matter.
+        match description.materials.iter().find(|m| m.name == object.material.name) {
+            None => self.tag("no material"),
+            Some(material) => self.material(&material.model, description),
+        }
+    }
+
+    fn shape(&mut self, shape: &ShapeDescription, description: &SceneDescription) {
+        match shape {
+            ShapeDescription::Sphere { centre, radius } => {
+                self.tag("sphere");
+                self.numbers(centre);
+                self.numbers(&[*radius]);
+            }
+            ShapeDescription::Cylinder { base, top, radius } => {
+                self.tag("cylinder");
+                self.numbers([*base, *top].as_flattened());
+                self.numbers(&[*radius]);
+            }
+            ShapeDescription::Torus { centre, axis, major_radius, minor_radius } => {
+                self.tag("torus");
+                self.numbers([*centre, *axis].as_flattened());
+                self.numbers(&[*major_radius, *minor_radius]);
+            }
+            ShapeDescription::Disk { centre, normal, radius } => {
+                self.tag("disk");
+                self.numbers([*centre, *normal].as_flattened());
+                self.numbers(&[*radius]);
+            }
+            ShapeDescription::Rectangle { centre, a, b } => {
+                self.tag("rectangle");
+                self.numbers([*centre, *a, *b].as_flattened());
+            }
+            ShapeDescription::HeightField { centre, half_size, up, x_axis, waves } => {
+                self.tag("height_field");
+                self.numbers([*centre, *up, *x_axis].as_flattened());
+                self.numbers(half_size);
+                self.count(waves.len());
+                for wave in waves {
+                    self.numbers(&wave.wave_vector);
+                    self.numbers(&[wave.amplitude, wave.phase]);
+                }
+            }
+            ShapeDescription::Mesh { mesh } => match mesh.and_then(|i| description.meshes.get(i)) {
+                None => self.tag("no mesh"),
+                Some(mesh) => self.mesh(&mesh.mesh),
+            },
+        }
+    }
+
+    fn mesh(&mut self, mesh: &TriangleMesh) {
+        self.tag("mesh");
+        self.singles(&mesh.positions);
+        self.singles(&mesh.normals);
+        self.singles(&mesh.uvs);
+        self.count(mesh.triangles.len());
+        for block in mesh.triangles.chunks(4096) {
+            let bytes: Vec<u8> = block.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
+            self.bytes(&bytes);
+        }
+    }
+
+    fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {
+        match *material {
+            MaterialModel::Lambert { albedo } => {
+                self.tag("lambert");
+                self.colour(albedo, description);
+            }
+            MaterialModel::Mirror { reflectance } => {
+                self.tag("mirror");
+                self.colour(reflectance, description);
+            }
+            MaterialModel::Dielectric { ior, exterior, fresnel } => {
+                self.tag("dielectric");
+                self.numbers(&[ior, exterior]);
+                self.integer(fresnel.into());
+            }
+            MaterialModel::Conductor { eta, k } => {
+                self.tag("conductor");
+                self.numbers([eta, k].as_flattened());
+            }
+            MaterialModel::RoughDielectric { ior, exterior, roughness } => {
+                self.tag("rough_dielectric");
+                self.numbers(&[ior, exterior]);
+                self.roughness(roughness, description);
+            }
+            MaterialModel::RoughConductor { eta, k, roughness } => {
+                self.tag("rough_conductor");
+                self.numbers([eta, k].as_flattened());
+                self.roughness(roughness, description);
+            }
+            MaterialModel::Plastic { albedo, ior } => {
+                self.tag("plastic");
+                self.numbers(&[ior]);
+                self.colour(albedo, description);
+            }
+        }
+    }
+
+    fn colour(&mut self, parameter: Parameter<[f64; 3]>, description: &SceneDescription) {
+        match parameter {
+            Parameter::Constant(value) => {
+                self.tag("constant");
+                self.numbers(&value);
+            }
+            Parameter::Image { texture, factor } => {
+                self.numbers(&factor);
+                self.texture(texture, description);
+            }
+        }
+    }
+
+    fn roughness(&mut self, parameter: Parameter<f64>, description: &SceneDescription) {
+        let triple = match parameter {
+            Parameter::Constant(value) => Parameter::Constant([value; 3]),
+            Parameter::Image { texture, factor } => Parameter::Image { texture, factor: [factor; 3] },
+        };
+        self.colour(triple, description);
+    }
+
+    fn texture(&mut self, index: usize, description: &SceneDescription) {
+        let Some(texture) = description.textures.get(index) else { return self.tag("no image") };
+        let ImageTexture { width, height, texels, wrap } = &texture.image;
+        self.tag("image");
+        self.count(*width);
+        self.count(*height);
+        self.singles(texels);
+        self.tag(match wrap {
+            Wrap::Repeat => "repeat",
+            Wrap::Clamp => "clamp",
+            Wrap::Mirror => "mirror",
+        });
+    }
+
+    fn light(&mut self, light: &LightDescription) {
+        match light.model {
+            LightModel::Point { position, intensity } => {
+                self.tag("point");
+                self.numbers([position, intensity].as_flattened());
+            }
+            LightModel::Spot { position, target, intensity, angle_degrees, penumbra_degrees } => {
+                self.tag("spot");
+                self.numbers([position, target, intensity].as_flattened());
+                self.numbers(&[angle_degrees, penumbra_degrees]);
+            }
+            LightModel::Directional { direction, irradiance, extent } => {
+                self.tag("directional");
+                self.numbers([direction, irradiance].as_flattened());
+                match extent {
+                    ExtentDescription::Unbounded => self.tag("unbounded"),
+                    ExtentDescription::Rectangle { centre, a, b } => {
+                        self.tag("rectangle");
+                        self.numbers([centre, a, b].as_flattened());
+                    }
+                    ExtentDescription::Disk { centre, radius } => {
+                        self.tag("disk");
+                        self.numbers(&centre);
+                        self.numbers(&[radius]);
+                    }
+                }
+            }
+            LightModel::Environment { radiance } => {
+                self.tag("environment");
+                self.numbers(&radiance);
+            }
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What is rendered: geometry, materials, lights, camera and settings as plain validated data.
+//!
+//! Importers produce a [`description`], [`assemble()`] checks it whole and makes a [`Scene`].
+
+pub mod assemble;
+pub mod camera;
+pub mod description;
+pub mod error;
+pub mod hash;
+pub mod ids;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod metal;
+pub mod object;
+pub mod settings;
+pub mod spelling;
+pub mod texture;
+
+pub use assemble::assemble;
+pub use camera::{CameraModel, CameraSettings};
+pub use ids::{LightId, MaterialId, MeshId, ObjectId, TextureId};
+pub use light::LightSource;
+pub use material::Material;
+pub use mesh::TriangleMesh;
+pub use object::{Object, ObjectGeometry};
+pub use settings::RenderSettings;
+pub use texture::{ImageTexture, Textured};
+
+use crate::math::Bounds3;
+
+/// A scene that was checked whole: every id is in range, every number finite, every mesh index valid.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub objects: Vec<Object>,
+    pub meshes: Vec<TriangleMesh>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<ImageTexture>,
+    /// Area lights are among them, naming their object.
+    pub lights: Vec<LightSource>,
+    pub camera: CameraSettings,
+    pub settings: RenderSettings,
+    /// World bounds of all objects.
+    pub bounds: Bounds3,
+    /// Digest of everything that can change a pixel, hexadecimal.
+    pub hash: String,
+}

@@ -1,0 +1,159 @@
+//! How a scene is rendered; every choice has a name that the scene file and the command line share.
+
+/// Defines an enum whose variants have one spelling each.
+macro_rules! named_choice {
+    ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum $name { $($(#[$vdoc])* $variant),+ }
+
+        impl $name {
+            pub const NAMES: &'static [&'static str] = &[$($text),+];
+            pub const fn name(self) -> &'static str {
+                match self { $($name::$variant => $text),+ }
+            }
+            pub fn from_name(text: &str) -> Option<Self> {
+                match text { $($text => Some($name::$variant),)+ _ => None }
+            }
+        }
+    };
+}
+
+named_choice!(
+    /// What renders the picture.
+    Method {
+        /// Path tracing, with caustics from the photon map.
+        PhotonMap = "photon_map",
+        /// Unbiased path tracing with next-event estimation and multiple importance sampling.
+        Path = "path",
+        /// Unbiased light tracing splatted to the camera.
+        LightTrace = "light",
+    }
+);
+
+named_choice!(
+    /// How the sample square of a light is filled.
+    EmissionPattern {
+        Random = "random",
+        Jittered = "jittered",
+        /// Rank-1 lattice of golden ratios, shifted at random in each pass.
+        Lattice = "lattice",
+    }
+);
+
+named_choice!(
+    /// How the light at a point is estimated from photons.
+    Estimator {
+        /// Photon differentials: every photon's own footprint.
+        Differentials = "pd",
+        /// k nearest photons in a disc.
+        NearestNeighbours = "knn",
+    }
+);
+
+named_choice!(
+    /// The ellipse that a photon's columns span.
+    FootprintRule {
+        /// Σ of the columns' squares, PHOTON_DIFFERENTIALS 2.4.
+        Quadratic = "quadratic",
+        /// The largest ellipse in the parallelogram of the columns' sums `[Frisvad-slides]`.
+        Parallelogram = "parallelogram",
+    }
+);
+
+named_choice!(
+    /// Shape of the kernel over a footprint's unit disc.
+    KernelShape {
+        Uniform = "uniform",
+        Cone = "cone",
+        Epanechnikov = "epanechnikov",
+        /// Also known as Silverman's second-order kernel.
+        Biweight = "biweight",
+        Triweight = "triweight",
+        Gaussian = "gaussian",
+    }
+);
+
+named_choice!(
+    /// Which library finds the hits.
+    BackendKind {
+        Embree = "embree",
+        Obvhs = "obvhs",
+        Brute = "brute",
+    }
+);
+
+named_choice!(
+    /// A layer that an EXR may hold beside the beauty; `film` says what each one means.
+    Layer {
+        Caustic = "caustic",
+        Direct = "direct",
+        Indirect = "indirect",
+        Normal = "N",
+        Depth = "Z",
+        Albedo = "albedo",
+        Photons = "photons",
+    }
+);
+
+/// Photons that one pass may emit. More would be better spent in several passes, which take no more memory than one.
+pub const MAX_PHOTONS_PER_PASS: u64 = 1_000_000_000;
+
+/// How wide a footprint is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bandwidth {
+    /// A scale that suits the emission pattern.
+    Auto,
+    /// Footprints `s` times the photon's own share of the light.
+    Scale(f64),
+}
+
+/// Everything but the scene's content that a picture depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    pub method: Method,
+    pub backend: BackendKind,
+    pub seed: u64,
+    pub passes: u32,
+    /// Eye samples in a pixel, in each pass.
+    pub spp: u32,
+    /// Photons emitted from all lights, in each pass.
+    pub photons: u64,
+    pub emission: EmissionPattern,
+    pub estimator: Estimator,
+    pub footprint: FootprintRule,
+    pub kernel: KernelShape,
+    pub bandwidth: Bandwidth,
+    /// Neighbours of the `knn` estimate.
+    pub k: u32,
+    /// Edges of a path at most, counted from the light or the camera.
+    pub max_depth: u32,
+    /// Diffuse and glossy bounces that the eye path may take, 0: direct light and caustics only.
+    pub max_bounces: u32,
+    /// Layers of the EXR beside the beauty, in the order they were asked for, without repetition.
+    pub layers: Vec<Layer>,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        RenderSettings {
+            method: Method::PhotonMap,
+            backend: if cfg!(feature = "embree") { BackendKind::Embree } else { BackendKind::Obvhs },
+            seed: 0,
+            passes: 1,
+            spp: 16,
+            photons: 200_000,
+            emission: EmissionPattern::Lattice,
+            estimator: Estimator::Differentials,
+            footprint: FootprintRule::Quadratic,
+            // Smooth to the second derivative at its edge: at equal smoothing a lattice leaves a third of the ripple that
+            // it leaves under Epanechnikov's kernel, which is only best for random photons.
+            kernel: KernelShape::Triweight,
+            bandwidth: Bandwidth::Auto,
+            k: 70,
+            max_depth: 32,
+            max_bounces: 4,
+            layers: Vec::new(),
+        }
+    }
+}

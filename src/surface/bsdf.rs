@@ -1,0 +1,333 @@
+//! The BSDF at a point: one enum over the models, world-space directions in and out.
+//!
+//! `wo` and `wi` both leave the surface. Values are in 1/sr and without the cosine. Delta lobes never show in
+//! [`Bsdf::f`] or [`Bsdf::pdf`]; they come out of [`Bsdf::sample`] or, all at once, of [`Bsdf::delta_branches`].
+//!
+//! **Sides.** The geometric normal decides on which side of the surface a direction lies, so no light leaks through a
+//! smoothed mesh; the shading normal shapes the value and carries the cosine |wi·ns|. A direction that the two normals
+//! put on different sides is black, for delta lobes too ([`Bsdf::normals_agree`] tells).
+//!
+//! **Modes.** Refraction spreads or gathers solid angle, which changes radiance but not flux: in
+//! [`TransportMode::Radiance`] every transmitted value and weight has the factor (n_i/n_t)², n_i being the index on the
+//! side of `wo` [Veach97 5.2]. The correction of photons for shading normals is not in any value or weight here: callers
+//! multiply by [`super::adjoint::shading_normal_factor`] at non-delta events.
+
+use super::bsdfs::conductor::Conductor;
+use super::bsdfs::dielectric::Dielectric;
+use super::bsdfs::lambert::Lambert;
+use super::bsdfs::mirror::Mirror;
+use super::bsdfs::plastic::Plastic;
+use super::bsdfs::rough_conductor::RoughConductor;
+use super::bsdfs::rough_dielectric::RoughDielectric;
+use super::bsdfs::{Arrival, LocalDeltas};
+use super::event::{BsdfSample, DeltaBranch, DeltaBranches, Event, TransportMode};
+use super::interaction::Interaction;
+use super::microfacet::Ggx;
+use super::texture::Textures;
+use crate::math::{Dir3, Frame, Normal3, Vec2, Vec3};
+use crate::radiometry::{Pdf, SolidAngle, Spectrum};
+use crate::scene::{ImageTexture, Material, Textured};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Model {
+    Lambert(Lambert),
+    Mirror(Mirror),
+    Dielectric(Dielectric),
+    Conductor(Conductor),
+    RoughDielectric(RoughDielectric),
+    RoughConductor(RoughConductor),
+    Plastic(Plastic),
+}
+
+/// A material at a point, its textures looked up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bsdf {
+    /// About the shading normal, on the outward side.
+    frame: Frame,
+    ng: Normal3,
+    model: Model,
+}
+
+/// The frame turned to the side that `wo` lies on.
+struct Side {
+    frame: Frame,
+    ng: Normal3,
+    arrival: Arrival,
+}
+
+impl Side {
+    fn to_world(&self, wi: Vec3) -> Dir3 {
+        // Keeps long chains of events at unit length.
+        let w = self.frame.to_world(wi);
+        Dir3::from_unit(w * (1.5 - 0.5 * w.length_squared()))
+    }
+    /// Whether both normals put `wi` (local and world) on the same side.
+    fn admits(&self, local: Vec3, world: Dir3) -> bool {
+        local.z * self.ng.dot(world) > 0.0
+    }
+}
+
+impl Bsdf {
+    /// The BSDF of `material` at `hit`. `footprint` is ∂(u, v)/∂x and ∂(u, v)/∂y of the pixel
+    /// ([`Interaction::uv_derivatives`]); zero looks textures up at a point.
+    ///
+    /// A rough material whose `alpha` is here below [`Ggx::SMOOTH_BELOW`], or whose two indices are equal, is its smooth
+    /// limit.
+    pub fn new(material: &Material, textures: &Textures, hit: &Interaction, footprint: [Vec2; 2]) -> Bsdf {
+        let colour = |value| textures.colour(value, hit.uv, footprint);
+        let number = |value| textures.number(value, hit.uv, footprint);
+        let model = match material {
+            Material::Lambert { albedo } => Model::Lambert(Lambert { albedo: colour(albedo) }),
+            Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: colour(reflectance) }),
+            Material::Dielectric { ior, exterior, fresnel } => {
+                Model::Dielectric(Dielectric::new(*ior, *exterior, *fresnel))
+            }
+            Material::Conductor { eta, k } => Model::Conductor(Conductor { eta: *eta, k: *k }),
+            Material::RoughDielectric { ior, exterior, alpha } => {
+                let (interface, alpha) = (Dielectric::new(*ior, *exterior, true), number(alpha));
+                if alpha < Ggx::SMOOTH_BELOW || ior == exterior {
+                    Model::Dielectric(interface)
+                } else {
+                    Model::RoughDielectric(RoughDielectric { interface, facets: Ggx::new(alpha) })
+                }
+            }
+            Material::RoughConductor { eta, k, alpha } => {
+                let (metal, alpha) = (Conductor { eta: *eta, k: *k }, number(alpha));
+                if alpha < Ggx::SMOOTH_BELOW {
+                    Model::Conductor(metal)
+                } else {
+                    Model::RoughConductor(RoughConductor { metal, facets: Ggx::new(alpha) })
+                }
+            }
+            Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
+        };
+        Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model }
+    }
+
+    /// Whether there is a delta lobe: a mirror, a smooth interface or coat.
+    pub fn has_delta(&self) -> bool {
+        matches!(self.model, Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) | Model::Plastic(_))
+    }
+    /// Whether there is a lobe that is not a delta.
+    pub fn has_scatter(&self) -> bool {
+        matches!(
+            self.model,
+            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) | Model::Plastic(_)
+        )
+    }
+    /// Whether both normals put `w` on the same side; if not, everything about `w` is black here.
+    pub fn normals_agree(&self, w: Dir3) -> bool {
+        self.ng.dot(w) * w.dot(self.frame.n) > 0.0
+    }
+
+    /// |w·ns|, the cosine that goes with [`Bsdf::f`].
+    pub fn shading_cosine(&self, w: Dir3) -> f64 {
+        w.dot(self.frame.n).abs()
+    }
+
+    /// The non-delta part, 1/sr.
+    pub fn f(&self, wo: Dir3, wi: Dir3, mode: TransportMode) -> Spectrum {
+        let Some((side, wi)) = self.pair(wo, wi) else { return Spectrum::BLACK };
+        self.local_f(&side, wi, mode)
+    }
+
+    /// Density of [`Bsdf::sample`] drawing `wi` from a lobe that is not a delta; its integral is the probability of that.
+    /// This is the density for multiple importance sampling against [`Bsdf::sample`].
+    /// No model of today draws differently in the two modes.
+    pub fn pdf(&self, wo: Dir3, wi: Dir3, _mode: TransportMode) -> Pdf<SolidAngle> {
+        let Some((side, wi)) = self.pair(wo, wi) else { return Pdf::ZERO };
+        let share = self.scatter_share(&side, &self.deltas(&side));
+        Pdf::new(share * self.local_pdf(&side, wi))
+    }
+
+    /// Density of [`Bsdf::sample_scatter`]: as [`Bsdf::pdf`], given that no delta lobe is chosen.
+    pub fn pdf_scatter(&self, wo: Dir3, wi: Dir3, _mode: TransportMode) -> Pdf<SolidAngle> {
+        let Some((side, wi)) = self.pair(wo, wi) else { return Pdf::ZERO };
+        Pdf::new(self.local_pdf(&side, wi))
+    }
+
+    /// Draws from all lobes, each in proportion to its share of the light: `uc` chooses, `u` draws. `None` is
+    /// absorption: a black surface, or a direction that the normals disagree about.
+    pub fn sample(&self, wo: Dir3, uc: f64, u: [f64; 2], mode: TransportMode) -> Option<BsdfSample> {
+        let side = self.side(wo)?;
+        let deltas = self.deltas(&side);
+        let share = self.scatter_share(&side, &deltas);
+        if uc < share {
+            return self.scatter(&side, share, uc / share, u, mode);
+        }
+        let total: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
+        let mut left = (uc - share) / (1.0 - share) * total;
+        // Rounding may leave a remainder behind the last branch, which then takes it.
+        let last = deltas.len().checked_sub(1)?;
+        let chosen = deltas.iter().enumerate().find_map(|(i, branch)| {
+            left -= branch.weight.mean();
+            (left < 0.0 || i == last).then_some(branch)
+        })?;
+        let probability = (1.0 - share) * chosen.weight.mean() / total;
+        if chosen.weight.is_black() {
+            return None;
+        }
+        let event = match chosen.eta {
+            Some(eta) => Event::DeltaTransmission { probability, eta },
+            None => Event::DeltaReflection { probability },
+        };
+        Some(BsdfSample { wi: chosen.wi, weight: chosen.transport_weight(mode) / probability, event })
+    }
+
+    /// Draws from the lobes that are not deltas, the density being [`Bsdf::pdf_scatter`].
+    pub fn sample_scatter(&self, wo: Dir3, uc: f64, u: [f64; 2], mode: TransportMode) -> Option<BsdfSample> {
+        self.scatter(&self.side(wo)?, 1.0, uc, u, mode)
+    }
+
+    /// Every delta lobe at once. A smooth dielectric has the mirrored and the refracted one, or at total reflection the
+    /// mirrored one alone with weight 1. Empty where the normals disagree about `wo`; a lobe whose direction they
+    /// disagree about is left out.
+    pub fn delta_branches(&self, wo: Dir3) -> DeltaBranches {
+        match self.side(wo) {
+            Some(side) => self.deltas(&side),
+            None => {
+                let mut none = DeltaBranches::none();
+                if self.has_delta() {
+                    none.refuse();
+                }
+                none
+            }
+        }
+    }
+
+    /// The fraction of the light from `wo` that leaves again. Exact for smooth and diffuse models; rough ones answer for
+    /// their mean facet, which is above what a single bounce returns.
+    pub fn albedo(&self, wo: Dir3) -> Spectrum {
+        let Some(Side { arrival, .. }) = self.side(wo) else { return Spectrum::BLACK };
+        match &self.model {
+            Model::Lambert(m) => m.albedo(&arrival),
+            Model::Mirror(m) => m.albedo(&arrival),
+            Model::Dielectric(m) => m.albedo(&arrival),
+            Model::Conductor(m) => m.albedo(&arrival),
+            Model::RoughDielectric(m) => m.albedo(&arrival),
+            Model::RoughConductor(m) => m.albedo(&arrival),
+            Model::Plastic(m) => m.albedo(&arrival),
+        }
+    }
+
+    /// The frame on the side of `wo`, if both normals agree about it.
+    fn side(&self, wo: Dir3) -> Option<Side> {
+        if !self.normals_agree(wo) {
+            return None;
+        }
+        let outside = self.ng.dot(wo) > 0.0;
+        let Frame { t, b, n } = self.frame;
+        // Turned about t, so that it stays right-handed.
+        let frame = if outside { self.frame } else { Frame { t, b: -b, n: -n } };
+        let ng = if outside { self.ng } else { -self.ng };
+        Some(Side { frame, ng, arrival: Arrival { wo: frame.to_local(wo), outside } })
+    }
+
+    /// `wo`'s side and the local `wi`, if the normals agree about both.
+    fn pair(&self, wo: Dir3, wi: Dir3) -> Option<(Side, Vec3)> {
+        let side = self.side(wo)?;
+        let local = side.frame.to_local(wi);
+        side.admits(local, wi).then_some((side, local))
+    }
+
+    fn local_f(&self, side: &Side, wi: Vec3, mode: TransportMode) -> Spectrum {
+        let arrival = &side.arrival;
+        match &self.model {
+            Model::Lambert(m) => m.f(wi),
+            Model::RoughDielectric(m) => {
+                let eta = m.interface.eta(arrival);
+                let spread = if mode == TransportMode::Radiance && wi.z < 0.0 { eta * eta } else { 1.0 };
+                m.f(arrival, wi) * spread
+            }
+            Model::RoughConductor(m) => m.f(arrival, wi),
+            Model::Plastic(m) => m.f(arrival, wi),
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => Spectrum::BLACK,
+        }
+    }
+
+    fn local_pdf(&self, side: &Side, wi: Vec3) -> f64 {
+        match &self.model {
+            Model::Lambert(m) => m.pdf(wi),
+            Model::RoughDielectric(m) => m.pdf(&side.arrival, wi),
+            Model::RoughConductor(m) => m.pdf(&side.arrival, wi),
+            Model::Plastic(m) => m.pdf(wi),
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
+        }
+    }
+
+    /// Draws from the non-delta lobes, which were chosen with probability `share`.
+    fn scatter(&self, side: &Side, share: f64, uc: f64, u: [f64; 2], mode: TransportMode) -> Option<BsdfSample> {
+        let arrival = &side.arrival;
+        let local = match &self.model {
+            Model::Lambert(m) => m.sample(u),
+            Model::RoughDielectric(m) => m.sample(arrival, uc, u),
+            Model::RoughConductor(m) => m.sample(arrival, u),
+            Model::Plastic(m) => m.sample(u),
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => None,
+        }?;
+        let wi = side.to_world(local);
+        let pdf = share * self.local_pdf(side, local);
+        if !side.admits(local, wi) || pdf <= 0.0 {
+            return None;
+        }
+        let weight = self.local_f(side, local, mode) * (local.z.abs() / pdf);
+        (!weight.is_black()).then_some(BsdfSample { wi, weight, event: Event::Scatter { pdf: Pdf::new(pdf) } })
+    }
+
+    /// The delta lobes in the world.
+    fn deltas(&self, side: &Side) -> DeltaBranches {
+        let arrival = &side.arrival;
+        let local: LocalDeltas = match &self.model {
+            Model::Mirror(m) => m.deltas(arrival),
+            Model::Dielectric(m) => m.deltas(arrival),
+            Model::Conductor(m) => m.deltas(arrival),
+            Model::Plastic(m) => m.deltas(arrival),
+            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => [None; 2],
+        };
+        let mut list = DeltaBranches::none();
+        for delta in local.into_iter().flatten() {
+            let wi = side.to_world(delta.wi);
+            if side.admits(delta.wi, wi) {
+                list.push(DeltaBranch { wi, weight: delta.weight, eta: delta.eta });
+            } else {
+                list.refuse();
+            }
+        }
+        list
+    }
+
+    /// The probability with which [`Bsdf::sample`] takes a non-delta lobe.
+    fn scatter_share(&self, side: &Side, deltas: &DeltaBranches) -> f64 {
+        match &self.model {
+            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => 1.0,
+            Model::Plastic(m) => {
+                let base = m.scatter_albedo(&side.arrival).mean();
+                let coat: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
+                if base > 0.0 { base / (base + coat) } else { 0.0 }
+            }
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
+        }
+    }
+}
+
+/// Whether a BSDF of this material can have a delta lobe anywhere: also that of a rough material where its width falls
+/// below [`Ggx::SMOOTH_BELOW`].
+pub fn can_have_delta(material: &Material, images: &[ImageTexture]) -> bool {
+    let smooth_somewhere = |alpha: &Textured<f64>| match alpha {
+        Textured::Constant(alpha) => *alpha < Ggx::SMOOTH_BELOW,
+        Textured::Image { texture, factor } => {
+            let mean = |t: &[f32; 3]| t.iter().copied().map(f64::from).sum::<f64>() / 3.0;
+            // A filtered width is no less than the least of the texels.
+            images[texture.index()].texels.iter().any(|t| factor * mean(t) < Ggx::SMOOTH_BELOW)
+        }
+    };
+    match material {
+        Material::Lambert { .. } => false,
+        Material::Mirror { .. }
+        | Material::Dielectric { .. }
+        | Material::Conductor { .. }
+        | Material::Plastic { .. } => true,
+        Material::RoughDielectric { ior, exterior, alpha } => ior == exterior || smooth_somewhere(alpha),
+        Material::RoughConductor { alpha, .. } => smooth_somewhere(alpha),
+    }
+}

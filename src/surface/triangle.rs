@@ -1,0 +1,115 @@
+//! The surface about a hit with a triangle · world frame, metres · interpolated (Phong) normals with their full
+//! derivative `[Igehy99]`; the flat normal carries rays, the interpolated one turns them.
+
+use super::interaction::{Found, reach, to_object, to_world_normal};
+use crate::backend::RawHit;
+use crate::differential::ShapeOperator;
+use crate::math::{Normal3, Point3, Ray, Transform, Vec2, Vec3};
+use crate::scene::TriangleMesh;
+
+/// How far outside the triangle a recomputed hit may lie, in barycentric units. The f32 rounding that a ray library is
+/// allowed explains this much on triangles some tens of roundings wide; beyond it the ray runs within rounding of the
+/// plane and where it crosses it means nothing.
+const OUTSIDE: f64 = 0.1;
+
+/// A triangle in its own space, with the plane gradients of its barycentric coordinates l1 and l2.
+struct Plane {
+    corner: Point3,
+    edges: [Vec3; 2],
+    /// e1 × e2.
+    cross: Vec3,
+    gradients: [Vec3; 2],
+}
+
+impl Plane {
+    fn new([a, b, c]: [Point3; 3]) -> Plane {
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let squared = cross.length_squared();
+        Plane { corner: a, edges: [e1, e2], cross, gradients: [e2.cross(cross) / squared, cross.cross(e1) / squared] }
+    }
+
+    /// t and (l1, l2) where the ray crosses the plane, if that is on the triangle.
+    fn cross_with(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+        let t = self.cross.dot(self.corner - ray.origin) / self.cross.dot(ray.direction);
+        let from_corner = ray.at(t) - self.corner;
+        let l = self.gradients.map(|g| g.dot(from_corner));
+        // Written so that a NaN is refused.
+        (t.is_finite() && l[0] >= -OUTSIDE && l[1] >= -OUTSIDE && l[0] + l[1] <= 1.0 + OUTSIDE).then_some((t, l))
+    }
+}
+
+/// The backend's (u, v), pulled into the triangle.
+fn clamped([u, v]: [f64; 2]) -> [f64; 2] {
+    if !(u.is_finite() && v.is_finite()) {
+        return [1.0 / 3.0; 2];
+    }
+    let u = u.clamp(0.0, 1.0);
+    [u, v.clamp(0.0, 1.0 - u)]
+}
+
+pub(super) fn find(mesh: &TriangleMesh, to_world: &Transform, ray: &Ray, hit: &RawHit) -> Found {
+    let corners = mesh.corners(hit.primitive);
+    let plane = Plane::new(corners);
+    let crossing = plane.cross_with(&to_object(to_world, ray));
+    let (t, l) = crossing.unwrap_or_else(|| (hit.t, clamped(hit.uv)));
+    let [e1, e2] = plane.edges;
+    let ng = Normal3::new(to_world.normal_unnormalised(plane.cross)).unwrap_or(Normal3::from_unit(-ray.direction));
+    let (ns, shape) = shading_normal(mesh, hit.primitive, &plane, l, to_world, ng);
+    let (uv, dpdu, dpdv) = parametrisation(mesh, hit.primitive, &plane, l);
+    Found {
+        p: to_world.point(plane.corner + e1 * l[0] + e2 * l[1]),
+        t,
+        ng,
+        ns,
+        shape,
+        uv,
+        dpdu: to_world.vector(dpdu),
+        dpdv: to_world.vector(dpdv),
+        extent: corners.into_iter().map(|p| reach(to_world, p)).fold(0.0, f64::max),
+        exact: crossing.is_some(),
+    }
+}
+
+/// The interpolated normal and its derivative, on the side of `ng`; the flat one where there is none.
+fn shading_normal(
+    mesh: &TriangleMesh,
+    primitive: u32,
+    plane: &Plane,
+    l: [f64; 2],
+    to_world: &Transform,
+    ng: Normal3,
+) -> (Normal3, ShapeOperator) {
+    let flat = (ng, ShapeOperator::FLAT);
+    if mesh.normals.is_empty() {
+        return flat;
+    }
+    let corners = mesh.triangles[primitive as usize];
+    let [n0, n1, n2] = corners.map(|i| Point3::from_f32(mesh.normals[i as usize]).to_vec());
+    let (d1, d2) = (n1 - n0, n2 - n0);
+    let n = n0 + d1 * l[0] + d2 * l[1];
+    // dn/dx = (N1 − N0) ∇l1ᵀ + (N2 − N0) ∇l2ᵀ.
+    let [g1, g2] = plane.gradients;
+    let dn = glam::DMat3::from_cols(d1 * g1.x + d2 * g2.x, d1 * g1.y + d2 * g2.y, d1 * g1.z + d2 * g2.z);
+    match to_world_normal(to_world, n, dn) {
+        None => flat,
+        Some((ns, shape)) if ns.dot(ng) < 0.0 => (-ns, shape.flipped()),
+        Some(found) => found,
+    }
+}
+
+/// Texture coordinates and ∂p/∂u, ∂p/∂v in object space; a mesh without texture coordinates is parametrised by l1, l2.
+fn parametrisation(mesh: &TriangleMesh, primitive: u32, plane: &Plane, l: [f64; 2]) -> (Vec2, Vec3, Vec3) {
+    let [e1, e2] = plane.edges;
+    if mesh.uvs.is_empty() {
+        return (Vec2::from_array(l), e1, e2);
+    }
+    let corners = mesh.triangles[primitive as usize];
+    let [a, b, c] = corners.map(|i| Vec2::new(mesh.uvs[i as usize][0].into(), mesh.uvs[i as usize][1].into()));
+    let (d1, d2) = (b - a, c - a);
+    // [∂p/∂u ∂p/∂v] = [e1 e2] [d1 d2]⁻¹; parallel d1, d2 give infinities, which the caller replaces.
+    let determinant = d1.perp_dot(d2);
+    let dpdu = (e1 * d2.y - e2 * d1.y) / determinant;
+    let dpdv = (e2 * d1.x - e1 * d2.x) / determinant;
+    (a + d1 * l[0] + d2 * l[1], dpdu, dpdv)
+}

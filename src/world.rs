@@ -1,0 +1,100 @@
+//! What rays fly through: the scene, a backend over its geometry, its lights and its textures.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::backend::{self, Backend, BackendError};
+use crate::light::{Aim, LightError, Lights};
+use crate::math::{Bounds3, Dir3, Ray, Vec2};
+use crate::scene::{Object, Scene};
+use crate::surface::bsdf::can_have_delta;
+use crate::surface::{Bsdf, Interaction, Textures};
+
+/// Why a scene cannot be traced.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Lights(Vec<LightError>),
+}
+
+/// A scene ready to be traced.
+pub struct World {
+    pub scene: Scene,
+    pub backend: Box<dyn Backend>,
+    pub lights: Lights,
+    pub textures: Textures,
+    /// Where caustics can come from: around all objects with a delta lobe.
+    pub aim: Option<Aim>,
+    /// Hits so far that could not be found again in `f64`.
+    inexact: AtomicU64,
+}
+
+impl World {
+    pub fn new(scene: Scene) -> Result<World, WorldError> {
+        let backend = backend::build(scene.settings.backend, &scene)?;
+        let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
+        let textures = Textures::new(&scene.textures);
+        let aim = caster_aim(&scene);
+        Ok(World { scene, backend, lights, textures, aim, inexact: AtomicU64::new(0) })
+    }
+
+    /// The first surface along a ray of unit direction.
+    pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
+        let hit = self.backend.intersect(ray)?;
+        let si = Interaction::from_hit(&self.scene, ray, &hit);
+        if !si.exact {
+            self.inexact.fetch_add(1, Ordering::Relaxed);
+        }
+        Some(si)
+    }
+
+    /// Hits so far whose place is the backend's own, in its precision ([`Interaction::exact`]).
+    pub fn inexact_hits(&self) -> u64 {
+        self.inexact.load(Ordering::Relaxed)
+    }
+
+    /// The BSDF with textures filtered over the parallelogram `duv`.
+    pub fn bsdf(&self, si: &Interaction, duv: [Vec2; 2]) -> Bsdf {
+        Bsdf::new(&self.scene.materials[si.material.index()], &self.textures, si, duv)
+    }
+
+    /// The BSDF with textures read at a point.
+    pub fn bsdf_unfiltered(&self, si: &Interaction) -> Bsdf {
+        self.bsdf(si, [Vec2::ZERO; 2])
+    }
+
+    /// The ray from the point to what lies `distance` along `wi`.
+    pub fn shadow_ray(from: &Interaction, wi: Dir3, distance: f64) -> Ray {
+        let mut ray = Ray::new(from.ray_origin(wi), wi);
+        // The far end stops short of the light's own surface by what rounding may have moved either point.
+        // Written so that an infinite distance, the environment's, stays infinite.
+        ray.t_max = distance * (1.0 - 1e-6) - 2.0 * from.error;
+        ray
+    }
+
+    /// Whether nothing lies between the point and `distance` along `wi`.
+    pub fn visible(&self, from: &Interaction, wi: Dir3, distance: f64) -> bool {
+        let ray = World::shadow_ray(from, wi, distance);
+        ray.t_max > 0.0 && !self.backend.occluded(&ray)
+    }
+}
+
+/// The sphere around everything with a delta lobe, or `None` if nothing in the scene makes caustics.
+fn caster_aim(scene: &Scene) -> Option<Aim> {
+    let casters = || {
+        scene.objects.iter().filter(|object| can_have_delta(&scene.materials[object.material.index()], &scene.textures))
+    };
+    let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds(&scene.meshes)));
+    if bounds.is_empty() {
+        return None;
+    }
+    // Around each caster's own sphere, which for a ball is much tighter than around its box.
+    let centre = bounds.centre();
+    let reach = |object: &Object| {
+        let (c, r) = object.bounding_sphere(&scene.meshes);
+        centre.distance(c) + r
+    };
+    let radius = casters().map(reach).fold(0.0, f64::max);
+    Some(Aim::Sphere { centre, radius })
+}
