@@ -1,0 +1,9 @@
+//! Whole renders, compared as pictures.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod exr;
+mod peers;
+mod closed_form_scenes;
+mod refraction;

@@ -1,0 +1,224 @@
+//! The photon map, path tracing and light tracing are three estimates of one picture: L S⁺ D from photons, from eye
+//! paths that run into the light through the glass, and from light paths connected to the camera.
+//!
+//! Each method renders a small picture several times with different seeds; block by block the means are compared by
+//! Welch's test, all blocks together at one level. The kernel's bias is not hidden by a tolerance: the scenes' lights
+//! are wide enough for the caustic to be smooth over a footprint, and the tests would fail if it were not.
+
+use pdembree::film::Image;
+use pdembree::import;
+use pdembree::render::{self, progress::Silent};
+use pdembree::world::World;
+
+use crate::support::statistics::{LEVEL, Moments, assert_plausible, welch};
+
+/// Pixels along the side of a picture and of the blocks compared.
+const SIDE: usize = 16;
+const BLOCK: usize = 4;
+const RUNS: u64 = 8;
+
+/// A glass ball over a matte floor under a ball-shaped lamp. The orthographic camera looks under the ball: what it sees
+/// through glass, light paths could not connect to.
+const BALL: &str = r#"
+format = 1
+[camera]
+type = "orthographic"
+position = [4, 2, 0]
+target = [0, 0, 0]
+width = 1.6
+resolution = [16, 16]
+[render]
+max_bounces = 1
+layers = ["caustic", "direct", "indirect"]
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.floor]
+type = "lambert"
+albedo = [0.7, 0.5, 0.3]
+[materials.black]
+type = "lambert"
+albedo = 0
+[[objects]]
+shape = "sphere"
+centre = [0, 1.5, 0]
+radius = 0.5
+material = "glass"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [3, 0, 0]
+b = [0, 0, -3]
+material = "floor"
+[[objects]]
+shape = "sphere"
+centre = [0, 5, 0]
+radius = 1
+material = "black"
+emission = 10
+"#;
+
+/// A mirror cylinder on a matte floor beside a slanted lamp; the camera sees the floor before the mirror only.
+const MIRROR: &str = r#"
+format = 1
+[camera]
+type = "perspective"
+position = [0, 5, 4]
+target = [0, 0, 2.2]
+fov_degrees = 12
+resolution = [16, 16]
+[render]
+max_bounces = 0
+layers = ["caustic", "direct", "indirect"]
+[materials.mirror]
+type = "mirror"
+reflectance = [0.9, 0.8, 0.6]
+[materials.floor]
+type = "lambert"
+albedo = 0.6
+[materials.black]
+type = "lambert"
+albedo = 0
+[[objects]]
+shape = "cylinder"
+base = [0, 0.001, 0]
+top = [0, 1, 0]
+radius = 0.8
+material = "mirror"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [4, 0, 0]
+b = [0, 0, -4]
+material = "floor"
+[[objects]]
+shape = "rectangle"
+centre = [0, 2, 4]
+a = [0.8, 0, 0]
+b = [0, -0.5, -0.5]
+material = "black"
+emission = 8
+two_sided = true
+"#;
+
+/// Three matte walls at right angles under a lamp: light over one bounce.
+const CORNER: &str = r#"
+format = 1
+[camera]
+type = "perspective"
+position = [3, 3, 3]
+target = [0, 0.4, 0]
+fov_degrees = 20
+resolution = [16, 16]
+[render]
+max_bounces = 2
+layers = ["caustic", "direct", "indirect"]
+[materials.red]
+type = "lambert"
+albedo = [0.8, 0.2, 0.2]
+[materials.white]
+type = "lambert"
+albedo = 0.8
+[[objects]]
+shape = "rectangle"
+centre = [1, 0, 1]
+a = [0, 0, 1]
+b = [1, 0, 0]
+material = "white"
+[[objects]]
+shape = "rectangle"
+centre = [0, 1, 1]
+a = [0, 1, 0]
+b = [0, 0, 1]
+material = "red"
+[[objects]]
+shape = "rectangle"
+centre = [1, 1, 0]
+a = [1, 0, 0]
+b = [0, 1, 0]
+material = "white"
+[[objects]]
+shape = "disk"
+centre = [1, 1.9, 1]
+normal = [0, -1, 0]
+radius = 0.4
+material = "white"
+emission = 5
+"#;
+
+struct Settings {
+    method: &'static str,
+    spp: u32,
+    photons: u64,
+}
+
+const PHOTON_MAP: Settings = Settings { method: "photon_map", spp: 16, photons: 40_000 };
+const PATH: Settings = Settings { method: "path", spp: 256, photons: 1 };
+const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 200_000 };
+
+fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
+    let overrides = [
+        ("render.method", format!("\"{}\"", settings.method)),
+        ("render.spp", settings.spp.to_string()),
+        ("render.photons", settings.photons.to_string()),
+        ("render.seed", seed.to_string()),
+    ]
+    .map(|(key, value)| import::Override::new(key, value));
+    let loaded = import::load_text("agreement.toml".as_ref(), scene, &overrides).expect("a sound scene");
+    let world = World::new(loaded.scene).expect("a sound world");
+    render::render(&world, &Silent).expect("a sound camera").film.resolve()
+}
+
+/// Moments of each block's mean of a layer's channel over the runs.
+fn blocks(scene: &str, settings: &Settings, layer: &str) -> Vec<Moments> {
+    let across = SIDE / BLOCK;
+    let mut moments = vec![Moments::default(); across * across * 3];
+    for seed in 0..RUNS {
+        let image = picture(scene, settings, seed);
+        let rgb = image.rgb(layer).expect("the layer was asked for");
+        for (i, m) in moments.iter_mut().enumerate() {
+            let (channel, block) = (i % 3, i / 3);
+            let (x0, y0) = (block % across * BLOCK, block / across * BLOCK);
+            let pixels = (0..BLOCK * BLOCK).map(|p| (y0 + p / BLOCK) * SIDE + x0 + p % BLOCK);
+            let sum: f64 = pixels.map(|p| f64::from(rgb[channel][p])).sum();
+            m.push(sum / (BLOCK * BLOCK) as f64);
+        }
+    }
+    moments
+}
+
+/// Whether two methods agree on a layer. Returns how much light the layer holds and how closely it was compared.
+fn assert_agree(scene: &str, a: &Settings, b: &Settings, layer: &str) -> f64 {
+    let (first, second) = (blocks(scene, a, layer), blocks(scene, b, layer));
+    let lit: Vec<_> = first.iter().zip(&second).filter(|(x, y)| x.mean > 0.0 || y.mean > 0.0).collect();
+    for (i, (x, y)) in lit.iter().enumerate() {
+        let what = format!(
+            "{layer} of {} and {}, block {i}: {x} against {y} (seeds 0..{RUNS}, level {LEVEL})",
+            a.method, b.method,
+        );
+        assert_plausible(welch(x, y), lit.len(), what);
+    }
+    lit.iter().map(|(x, _)| x.mean).sum::<f64>() / lit.len().max(1) as f64
+}
+
+#[test]
+fn photons_and_eye_paths_agree_on_the_caustic_of_a_ball() {
+    assert!(assert_agree(BALL, &PHOTON_MAP, &PATH, "caustic") > 0.01);
+}
+
+#[test]
+fn photons_and_light_paths_agree_on_the_caustic_of_a_ball() {
+    assert!(assert_agree(BALL, &PHOTON_MAP, &LIGHT, "caustic") > 0.01);
+}
+
+#[test]
+fn eye_paths_and_light_paths_agree_on_direct_and_indirect_light() {
+    assert!(assert_agree(CORNER, &PATH, &LIGHT, "direct") > 0.01);
+    assert!(assert_agree(CORNER, &PATH, &LIGHT, "indirect") > 0.01);
+}
+
+#[test]
+fn all_three_agree_on_the_caustic_of_a_mirror() {
+    assert!(assert_agree(MIRROR, &PHOTON_MAP, &PATH, "caustic") > 0.001);
+    assert_agree(MIRROR, &PATH, &LIGHT, "caustic");
+}

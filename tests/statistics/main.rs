@@ -1,0 +1,10 @@
+//! Hypothesis tests: samples, p-values, fixed seeds.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod agreement;
+mod light_emission;
+mod light_samples;
+mod lights;
+mod bsdf;

@@ -1,0 +1,69 @@
+//! Points with materials on them, and directions about them.
+
+use pdembree::differential::ShapeOperator;
+use pdembree::math::{Dir3, Frame, Normal3, Point3, Vec2, Vec3};
+use pdembree::radiometry::Spectrum;
+use pdembree::scene::{Material, MaterialId, ObjectId, Textured};
+use pdembree::surface::{Bsdf, Interaction, Textures};
+
+/// A point at the origin with these normals.
+pub fn point(ng: Normal3, ns: Normal3) -> Interaction {
+    let frame = Frame::from_unit(ng);
+    Interaction {
+        p: Point3::ORIGIN,
+        error: 0.0,
+        t: 1.0,
+        wo: ng.as_dir(),
+        ng,
+        ns,
+        uv: Vec2::ZERO,
+        dpdu: frame.t,
+        dpdv: frame.b,
+        shape: ShapeOperator::FLAT,
+        object: ObjectId(0),
+        primitive: 0,
+        material: MaterialId(0),
+        exact: true,
+    }
+}
+
+/// The BSDF of an untextured material with both normals along z.
+pub fn flat(material: &Material) -> Bsdf {
+    bent(material, Normal3::Z, Normal3::Z)
+}
+
+/// The BSDF of an untextured material.
+pub fn bent(material: &Material, ng: Normal3, ns: Normal3) -> Bsdf {
+    Bsdf::new(material, &Textures::new(&[]), &point(ng, ns), [Vec2::ZERO; 2])
+}
+
+/// A direction by its cosine against z and its azimuth.
+pub fn direction(cos: f64, phi: f64) -> Dir3 {
+    let sin = (1.0 - cos * cos).sqrt();
+    Dir3::new(Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)).expect("unit")
+}
+
+pub fn lambert(albedo: [f64; 3]) -> Material {
+    Material::Lambert { albedo: Textured::Constant(Spectrum::from(albedo)) }
+}
+pub fn mirror(reflectance: f64) -> Material {
+    Material::Mirror { reflectance: Textured::Constant(Spectrum::splat(reflectance)) }
+}
+pub fn glass(ior: f64) -> Material {
+    Material::Dielectric { ior, exterior: 1.0, fresnel: true }
+}
+pub fn gold() -> Material {
+    Material::Conductor { eta: GOLD[0].into(), k: GOLD[1].into() }
+}
+pub fn rough_glass(ior: f64, alpha: f64) -> Material {
+    Material::RoughDielectric { ior, exterior: 1.0, alpha: Textured::Constant(alpha) }
+}
+pub fn rough_gold(alpha: f64) -> Material {
+    Material::RoughConductor { eta: GOLD[0].into(), k: GOLD[1].into(), alpha: Textured::Constant(alpha) }
+}
+pub fn plastic(albedo: [f64; 3], ior: f64) -> Material {
+    Material::Plastic { albedo: Textured::Constant(Spectrum::from(albedo)), ior }
+}
+
+/// Numbers of the size of gold's index; what they are exactly does not matter to the tests.
+const GOLD: [[f64; 3]; 2] = [[0.14, 0.37, 1.44], [3.98, 2.39, 1.60]];

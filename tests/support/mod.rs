@@ -1,0 +1,17 @@
+//! Helpers that the test binaries share; each includes this folder by `#[path]`.
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+pub mod closed_form;
+pub mod bsdf;
+pub mod chi2;
+pub mod data;
+pub mod optics;
+pub mod scene;
+pub mod evenness;
+pub mod lights;
+pub mod shapes;
+pub mod quartet;
+pub mod source;
+pub mod special;
+pub mod statistics;
+pub mod worlds;
