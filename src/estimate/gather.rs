@@ -5,9 +5,9 @@
 //! picture can show and no sharper. The same Q makes the shape and the normalisation, so no energy is lost.
 
 use crate::estimate::kernel;
-use crate::math::{Dir3, Frame, Normal3, Point3, Vec3};
+use crate::math::{Dir3, Frame, Normal3, Point3, Vec2, Vec3};
 use crate::photon::footprint::TangentForm;
-use crate::photon::index::{BoxTree, OuterBox, for_each_overlap};
+use crate::photon::index::{BoxTree, OuterBox};
 use crate::photon::{Photon, PhotonMap};
 use crate::radiometry::{Radiance, Spectrum};
 use crate::scene::settings::KernelShape;
@@ -15,6 +15,7 @@ use crate::surface::{Bsdf, TransportMode};
 
 /// Photons on a surface turned further than this from the point's are not its light (cosine of the angle).
 const MIN_NORMAL_COSINE: f64 = 0.9;
+
 /// A point whose light from photons is wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
@@ -35,46 +36,90 @@ pub struct Gathered {
     pub density: f64,
 }
 
-/// Estimates all of `points` at once.
+/// Points in a leaf of their tree.
+const LEAF_SIZE: u32 = 8;
+
+/// Estimates all of `points` at once: every footprint that reaches one of them is made ready once and splatted.
 pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
-    let mut gathered = vec![Gathered::default(); points.len()];
     let boxes: Vec<OuterBox> = points.iter().map(|point| OuterBox::new(point.p, half_extents(&point.eye))).collect();
-    for_each_overlap(&BoxTree::build(&boxes), map.tree(), |i, j| {
-        let (point, photon) = (&points[i as usize], &map.photons[j as usize]);
-        let weight = kernel_weight(point, photon, kernel);
-        if weight > 0.0 {
-            let sum = &mut gathered[i as usize];
-            sum.radiance += Radiance(reflected(point, photon) * weight);
-            sum.density += weight;
-        }
+    let tree = BoxTree::build(&boxes, LEAF_SIZE);
+    // In the order of the leaves, so that a splat reads and writes runs.
+    let points: Vec<&GatherPoint> = tree.order().iter().map(|&i| &points[i as usize]).collect();
+    let widest_eye = points.iter().map(|point| square_sum(&point.eye)).fold(0.0, f64::max);
+    let mut sums = vec![Gathered::default(); points.len()];
+    map.tree().visit_over(&tree, |j, bounds| {
+        let photon = &map.photons[j as usize];
+        let splat = Splat::new(photon, kernel, widest_eye);
+        tree.visit(bounds, |leaf| {
+            for (sum, point) in sums[leaf.clone()].iter_mut().zip(&points[leaf]) {
+                let weight = splat.weight(point);
+                if weight > 0.0 {
+                    sum.radiance += Radiance(reflected(point, photon) * weight);
+                    sum.density += weight;
+                }
+            }
+            true
+        });
     });
+    let mut gathered = vec![Gathered::default(); points.len()];
+    for (&i, sum) in tree.order().iter().zip(sums) {
+        gathered[i as usize] = sum;
+    }
     gathered
 }
 
-/// K(dᵀ Q⁻¹ d)/√det Q in 1/m², 0 where the footprint does not reach the point or belongs to another surface.
-fn kernel_weight(point: &GatherPoint, photon: &Photon, kernel: KernelShape) -> f64 {
-    // In the order of what it costs to find out.
-    let normal = photon.normal();
-    if point.ng.dot(normal) < MIN_NORMAL_COSINE {
-        return 0.0;
+/// A photon's footprint made ready for many points.
+///
+/// A point at offset o from the photon lies at height h = n·o over its plane and at d = (t·o', b·o') in it, where
+/// o' = o − h·slide: exact for parallel light on a curved receiver, the offset goes along the beam into the photon's
+/// plane, and the beam cuts areas in the ratio of the cosines out of the two planes (PHOTON_DIFFERENTIALS 3.3 b).
+struct Splat<'a> {
+    photon: &'a Photon,
+    kernel: KernelShape,
+    position: Point3,
+    frame: Frame,
+    slide: Vec3,
+    form: TangentForm,
+    /// o ↦ d as two rows.
+    plane: [Vec3; 2],
+    /// o ↦ y with |y|² = dᵀ (Q + λ)⁻¹ d, where λ is at least every eye footprint: |y| ≥ 1 lies outside for every point.
+    outside: [Vec3; 2],
+}
+
+impl<'a> Splat<'a> {
+    fn new(photon: &'a Photon, kernel: KernelShape, widest_eye: f64) -> Splat<'a> {
+        let (frame, slide, form) = (photon.frame(), photon.slide(), photon.form());
+        let plane = [frame.t, frame.b].map(|axis| axis - frame.n * axis.dot(slide));
+        // Cholesky: Q + λ = L Lᵀ, y = L⁻¹ d.
+        let l11 = (form.xx + widest_eye).sqrt();
+        let l21 = form.xy / l11;
+        let l22 = (form.yy + widest_eye - l21 * l21).max(0.0).sqrt();
+        let first = plane[0] / l11;
+        let second = (plane[1] - first * l21) / l22;
+        Splat { photon, kernel, position: photon.position(), frame, slide, form, plane, outside: [first, second] }
     }
-    let offset = point.p - photon.position();
-    let height = offset.dot(normal);
-    if !photon.is_within(height) {
-        return 0.0;
+
+    /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², 0 where the footprint does not reach the point or belongs to another surface.
+    fn weight(&self, point: &GatherPoint) -> f64 {
+        // In the order of what it costs to find out. The margin keeps this first test from deciding close cases; it lets
+        // pass what is NaN for a footprint without area.
+        let o = point.p - self.position;
+        let [y0, y1] = self.outside.map(|row| row.dot(o));
+        if y0 * y0 + y1 * y1 > 1.0 + 1e-9 {
+            return 0.0;
+        }
+        if point.ng.dot(self.frame.n) < MIN_NORMAL_COSINE || !self.photon.is_within(o.dot(self.frame.n)) {
+            return 0.0;
+        }
+        let form = self.form.plus(TangentForm::from_axes(&self.frame, point.eye));
+        let determinant = form.determinant();
+        if determinant <= 0.0 {
+            return 0.0;
+        }
+        let [x, y] = self.plane.map(|row| row.dot(o));
+        let turn = point.ng.dot(self.slide).abs();
+        kernel::evaluate(self.kernel, form.inverse_form(Vec2::new(x, y), determinant)) / determinant.sqrt() * turn
     }
-    let frame = Frame::from_unit(normal);
-    let form = photon.form().plus(TangentForm::from_axes(&frame, point.eye));
-    let determinant = form.determinant();
-    if determinant <= 0.0 {
-        return 0.0;
-    }
-    // Exact for parallel light on a curved receiver: the offset goes along the beam into the photon's plane, and the
-    // beam cuts areas in the ratio of the cosines out of the two planes (PHOTON_DIFFERENTIALS 3.3 b).
-    let slide = photon.slide();
-    let d = frame.project(offset - slide * height);
-    let turn = point.ng.dot(slide).abs();
-    kernel::evaluate(kernel, form.inverse_form(d, determinant)) / determinant.sqrt() * turn
 }
 
 /// f Φ, with the cosine of the shading normal in place of the geometric one that the footprint's area has.
@@ -95,10 +140,13 @@ fn half_extents(axes: &[Vec3; 2]) -> Vec3 {
     Vec3::new(along(a.x, b.x), along(a.y, b.y), along(a.z, b.z))
 }
 
+fn square_sum(axes: &[Vec3; 2]) -> f64 {
+    axes.iter().map(|axis| axis.length_squared()).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::Vec2;
     use crate::photon::PhotonCounts;
     use crate::radiometry::Flux;
     use crate::sampling::{Purpose, Stream};

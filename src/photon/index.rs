@@ -1,13 +1,17 @@
-//! All footprints over a point: two trees of boxes, one recursion.
+//! Which footprints reach which points: two trees of boxes.
 //!
-//! The photons' footprints and the eye's points each get a bounding-volume tree, and the pairs of boxes that overlap
-//! are found by descending both together. For any one point the photons come in the order of the photon tree's
-//! leaves, whatever other points are asked about with it: sums have the same bits for every partition of the picture.
+//! The photons' footprints and a tile's eye points each get a bounding-volume tree. The photon tree is descended wherever
+//! its boxes hold points, and every footprint found is splatted into the tree of points. A footprint is so made ready
+//! once for all points of a tile, and the footprints come in the order of their tree's leaves whatever points are asked
+//! about: sums have the same bits for every partition of the picture.
 
-use glam::Vec3A;
+use std::ops::Range;
+
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use crate::math::{Point3, Vec3};
@@ -36,62 +40,81 @@ pub struct BoxTree {
     tree: Bvh2,
 }
 
+/// What a test of a point costs, in tests of a box.
+const TRAVERSAL_COST: f32 = 1.0;
+
 impl BoxTree {
-    pub fn build(boxes: &[OuterBox]) -> BoxTree {
+    /// A tree with at most `leaf_size` boxes in a leaf.
+    pub fn build(boxes: &[OuterBox], leaf_size: u32) -> BoxTree {
         let indices = (0..boxes.len() as u32).collect();
-        let tree = PlocBuilder::with_capacity(boxes.len()).build(
+        let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
             PlocSearchDistance::Minimum,
             boxes,
             indices,
             SortPrecision::U64,
             0,
         );
+        collapse(&mut tree, leaf_size, TRAVERSAL_COST);
         BoxTree { tree }
     }
-    pub fn is_empty(&self) -> bool {
-        self.tree.nodes.is_empty()
-    }
-}
 
-/// Calls `visit(i, j)` for every pair of overlapping boxes, i of `points` and j of `footprints`. For a fixed i the j
-/// come in the order of the leaves of `footprints`.
-pub fn for_each_overlap(points: &BoxTree, footprints: &BoxTree, mut visit: impl FnMut(u32, u32)) {
-    if points.is_empty() || footprints.is_empty() {
-        return;
+    /// All boxes in the order in which leaves hold them: [`BoxTree::visit`] gives ranges of this list.
+    pub fn order(&self) -> &[u32] {
+        &self.tree.primitive_indices
     }
-    let (p, f) = (&points.tree, &footprints.tree);
-    let mut stack = vec![(0u32, 0u32)];
-    while let Some((i, j)) = stack.pop() {
-        let (a, b) = (&p.nodes[i as usize], &f.nodes[j as usize]);
-        if !a.aabb().intersect_aabb(b.aabb()) {
-            continue;
-        }
-        match (a.is_leaf(), b.is_leaf()) {
-            (true, true) => {
-                for &point in leaf(p, i) {
-                    for &footprint in leaf(f, j) {
-                        visit(point, footprint);
-                    }
-                }
+
+    /// Calls `visit` with every leaf that overlaps `bounds`, as a range of [`BoxTree::order`], always from left to
+    /// right, until it returns false.
+    pub fn visit(&self, bounds: &OuterBox, mut visit: impl FnMut(Range<usize>) -> bool) {
+        self.descend(|aabb| aabb.intersect_aabb(&bounds.0), |node| visit(range(node)));
+    }
+
+    /// Calls `visit(j, bounds)` for every box of this tree that lies in a leaf overlapping a leaf of `points`, always
+    /// from left to right.
+    pub fn visit_over(&self, points: &BoxTree, mut visit: impl FnMut(u32, &OuterBox)) {
+        let is_over = |aabb: &Aabb| {
+            let mut found = false;
+            points.visit(&OuterBox(*aabb), |_| {
+                found = true;
+                false
+            });
+            found
+        };
+        self.descend(is_over, |node| {
+            for &j in &self.order()[range(node)] {
+                visit(j, &OuterBox(*node.aabb()));
             }
-            // The larger box is opened; the right child goes first onto the stack so that the left comes off first.
-            (false, true) => stack.extend([(a.first_index + 1, j), (a.first_index, j)]),
-            (true, false) => stack.extend([(i, b.first_index + 1), (i, b.first_index)]),
-            (false, false) if larger(a.aabb(), b.aabb()) => stack.extend([(a.first_index + 1, j), (a.first_index, j)]),
-            (false, false) => stack.extend([(i, b.first_index + 1), (i, b.first_index)]),
+            true
+        });
+    }
+
+    /// Leaves from left to right below every node that `enter` lets in, until `leaf` returns false.
+    fn descend(&self, mut enter: impl FnMut(&Aabb) -> bool, mut leaf: impl FnMut(&Bvh2Node) -> bool) {
+        if let Some(root) = self.tree.nodes.first() {
+            self.descend_from(root, &mut enter, &mut leaf);
         }
+    }
+
+    fn descend_from(
+        &self,
+        node: &Bvh2Node,
+        enter: &mut impl FnMut(&Aabb) -> bool,
+        leaf: &mut impl FnMut(&Bvh2Node) -> bool,
+    ) -> bool {
+        if !enter(node.aabb()) {
+            return true;
+        }
+        if node.is_leaf() {
+            return leaf(node);
+        }
+        let [left, right] = [0, 1].map(|side| &self.tree.nodes[node.first_index as usize + side]);
+        self.descend_from(left, enter, leaf) && self.descend_from(right, enter, leaf)
     }
 }
 
-fn leaf(tree: &Bvh2, node: u32) -> &[u32] {
-    let node = &tree.nodes[node as usize];
-    let first = node.first_index as usize;
-    &tree.primitive_indices[first..first + node.prim_count as usize]
-}
-
-fn larger(a: &Aabb, b: &Aabb) -> bool {
-    let extent = |x: &Aabb| Vec3A::max_element(x.diagonal());
-    extent(a) > extent(b)
+fn range(leaf: &Bvh2Node) -> Range<usize> {
+    let first = leaf.first_index as usize;
+    first..first + leaf.prim_count as usize
 }
 
 #[cfg(test)]
@@ -108,12 +131,18 @@ mod tests {
             })
             .collect()
     }
-    fn tree(boxes: &[(Point3, Vec3)]) -> BoxTree {
-        BoxTree::build(&boxes.iter().map(|&(c, h)| OuterBox::new(c, h)).collect::<Vec<_>>())
+    fn tree(boxes: &[(Point3, Vec3)], leaf_size: u32) -> BoxTree {
+        BoxTree::build(&boxes.iter().map(|&(c, h)| OuterBox::new(c, h)).collect::<Vec<_>>(), leaf_size)
     }
     fn overlaps(points: &[(Point3, Vec3)], footprints: &[(Point3, Vec3)]) -> Vec<Vec<u32>> {
         let mut found = vec![Vec::new(); points.len()];
-        for_each_overlap(&tree(points), &tree(footprints), |i, j| found[i as usize].push(j));
+        let points = tree(points, 8);
+        tree(footprints, 1).visit_over(&points, |j, bounds| {
+            points.visit(bounds, |leaf| {
+                points.order()[leaf].iter().for_each(|&i| found[i as usize].push(j));
+                true
+            });
+        });
         found
     }
 
@@ -134,12 +163,17 @@ mod tests {
         }
     }
 
+    /// What a point shares its leaf with may add footprints that miss it, and never changes the order of the others.
     #[test]
     fn the_order_at_a_point_does_not_depend_on_the_other_points() {
         let (points, footprints) = (boxes(200, 0.0, 3), boxes(400, 0.2, 4));
         let together = overlaps(&points, &footprints);
         for (i, point) in points.iter().enumerate() {
-            assert_eq!(together[i], overlaps(&[*point], &footprints)[0]);
+            let mut alone = overlaps(&[*point], &footprints)[0].iter().peekable();
+            for j in &together[i] {
+                alone.next_if_eq(&j);
+            }
+            assert_eq!(alone.next(), None);
         }
     }
 }

@@ -34,7 +34,7 @@ impl PhotonMap {
             counts.merge(&unit_counts);
         }
         let boxes: Vec<OuterBox> = photons.iter().map(footprint_box).collect();
-        PhotonMap { photons, counts, by_light, tree: BoxTree::build(&boxes) }
+        PhotonMap { photons, counts, by_light, tree: BoxTree::build(&boxes, 1) }
     }
 
     pub fn tree(&self) -> &BoxTree {

@@ -35,7 +35,7 @@ impl Share {
     /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
     ///
     /// Cells that fill positions × directions, p d = 1/n, need d = ratio/√n. Their overlap grows like √n and so does the
-    /// work; from [`OVERLAP`] on cells shrink like 1/n instead and passes do the rest. A source too small to be cut,
+    /// work; from `OVERLAP` on cells shrink like 1/n instead and passes do the rest. A source too small to be cut,
     /// ratio < 1/√n, is one cell.
     pub fn equal_parts(n: u64, ratio: f64) -> Share {
         let n = n as f64;
