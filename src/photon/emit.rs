@@ -26,7 +26,8 @@ pub struct EmissionPoints {
     /// Width over height of what the leading pair is mapped to.
     aspect: f64,
     lattice: Rank1Lattice,
-    share: Share,
+    /// Sides of a photon's cell in the order (u, v; θ, φ).
+    cell: [f64; 4],
     shift: [[f64; 2]; 2],
     seed: u64,
     pass: u32,
@@ -48,12 +49,13 @@ impl EmissionPoints {
         let shift = [stream.uniform2(), stream.uniform2()];
         let aspect = source.emission_aspect(aim);
         let (pattern, collimated, seed) = (settings.emission, source.is_collimated(), settings.seed);
+        let cell = share.sides(if collimated { [aspect, 1.0] } else { [1.0, aspect] });
         EmissionPoints {
             pattern,
             collimated,
             aspect,
-            lattice: Rank1Lattice::new(n, aspect),
-            share,
+            lattice: Rank1Lattice::new(n, leading(collimated, cell)),
+            cell,
             shift,
             seed,
             pass,
@@ -80,27 +82,26 @@ impl EmissionPoints {
                 (lead, qmc::stratum(second, n, 1.0, stream.uniform2()))
             }
             EmissionPattern::Lattice => {
-                (qmc::shifted(self.lattice.point(i), self.shift[0]), qmc::shifted(qmc::r2(i), self.shift[1]))
+                let [a, b, c, d] = self.lattice.point(i);
+                (qmc::shifted([a, b], self.shift[0]), qmc::shifted([c, d], self.shift[1]))
             }
         };
-        let (positions, directions) = if self.collimated { (lead, other) } else { (other, lead) };
-        [positions[0], positions[1], directions[0], directions[1]]
+        leading(self.collimated, [other[0], other[1], lead[0], lead[1]])
     }
 
-    /// Turns a sample of the light into photon `i` of n: flux divided, columns scaled to the photon's cell. A cell
-    /// of area c in a square that stands for aspect a has the sides √(c/a) and √(c a).
+    /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell.
     pub fn share(&self, mut emission: Emission) -> Emission {
-        let positions = FRAC_2_SQRT_PI * self.share.positions.sqrt();
-        let directions = FRAC_2_SQRT_PI * self.share.directions.sqrt();
-        let stretch = self.aspect.sqrt();
-        let (a, b) = if self.collimated { (stretch, 1.0) } else { (1.0, stretch) };
-        let sides = [positions / a, positions * a, directions / b, directions * b];
         emission.flux = emission.flux / self.lattice.len() as f64;
-        for (column, side) in emission.jacobian.columns.iter_mut().zip(sides) {
-            *column = column.scaled(side);
+        for (column, side) in emission.jacobian.columns.iter_mut().zip(self.cell) {
+            *column = column.scaled(FRAC_2_SQRT_PI * side);
         }
         emission
     }
+}
+
+/// (u, v; θ, φ) with the pair in front that leads, and back again.
+fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4] {
+    if collimated { [u, v, theta, phi] } else { [theta, phi, u, v] }
 }
 
 /// A run of consecutive photons of one light: a unit of work.

@@ -17,7 +17,7 @@ const PILOTS: u64 = 512;
 
 /// How many times more footprints cover a point than with cells of 1/n, at most. The work of the estimate grows with
 /// it; where a curved mirror spreads the light, thousands of footprints may lie over a point.
-const OVERLAP: f64 = 4.0;
+pub const MAX_OVERLAP: f64 = 16.0;
 
 /// The cell of one photon, as fractions of the two unit squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,21 +27,41 @@ pub struct Share {
 }
 
 impl Share {
-    /// 1/n of both: the slides' rule, and the only one for sources without area or without directions.
+    /// 1/n of both: the slides' rule.
     pub fn same(n: u64) -> Share {
         Share { positions: 1.0 / n as f64, directions: 1.0 / n as f64 }
     }
 
+    /// 1/n of the one pair that a source without area, or without directions, has.
+    pub fn leading(n: u64, collimated: bool) -> Share {
+        let cell = 1.0 / n as f64;
+        if collimated {
+            Share { positions: cell, directions: 1.0 }
+        } else {
+            Share { positions: 1.0, directions: cell }
+        }
+    }
+
     /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
     ///
-    /// Cells that fill positions × directions, p d = 1/n, need d = ratio/√n. Their overlap grows like √n and so does the
-    /// work; from `OVERLAP` on cells shrink like 1/n instead and passes do the rest. A source too small to be cut,
-    /// ratio < 1/√n, is one cell.
+    /// Cells that fill positions × directions, p d = 1/n, have parts of the area f = B D/√n. Their overlap, about
+    /// 2 n f/(B² + D²), grows like √n and so does the work; from [`MAX_OVERLAP`] on cells shrink like 1/n instead and passes
+    /// do the rest. A pair too small to be cut is one cell, and the other pair gets all n.
     pub fn equal_parts(n: u64, ratio: f64) -> Share {
         let n = n as f64;
-        let directions = (ratio / n.sqrt()).min(0.5 * OVERLAP / n).max(1.0 / n).min(1.0);
-        let positions = (directions / (ratio * ratio)).min(1.0).max(1.0 / n);
-        Share { positions, directions }
+        // In units of D².
+        let part = (ratio / n.sqrt()).min(0.5 * MAX_OVERLAP * (1.0 + ratio * ratio) / n);
+        Share { positions: (part / (ratio * ratio)).clamp(1.0 / n, 1.0), directions: part.clamp(1.0 / n, 1.0) }
+    }
+
+    /// Sides of the cell in (u, v; θ, φ), where the square of positions stands for a rectangle `aspects[0]` × 1 and that
+    /// of directions for `aspects[1]` × 1: cells are squares there, but for those that fill a side.
+    pub fn sides(&self, aspects: [f64; 2]) -> [f64; 4] {
+        let [[u, v], [theta, phi]] = [(self.positions, aspects[0]), (self.directions, aspects[1])].map(|(area, aspect)| {
+            let width = (area / aspect).sqrt().clamp(area, 1.0);
+            [width, area / width]
+        });
+        [u, v, theta, phi]
     }
 
     /// The split that makes both parts of the footprints equally wide. `tracer` is a fresh one; what it stores is
@@ -102,7 +122,7 @@ mod tests {
         for (n, ratio) in [(20_000u64, 0.3), (1_000_000, 0.05), (1_000_000, 1.2)] {
             let share = Share::equal_parts(n, ratio);
             assert!((share.positions * ratio * ratio / share.directions - 1.0).abs() < 1e-9, "{share:?}");
-            assert!(2.0 * n as f64 * share.directions <= OVERLAP * (1.0 + 1e-12));
+            assert!(2.0 * n as f64 * share.directions <= MAX_OVERLAP * (1.0 + ratio * ratio) * (1.0 + 1e-12));
         }
     }
 

@@ -50,8 +50,11 @@ pub fn shoot(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
 fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
     let settings = &world.scene.settings;
     let source = world.lights.get(light);
-    if source.is_delta() || settings.footprint == FootprintRule::Parallelogram {
+    if settings.footprint == FootprintRule::Parallelogram {
         return Share::same(n);
+    }
+    if source.is_delta() {
+        return Share::leading(n, source.is_collimated());
     }
     let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
     let mut pilot = PhotonTracer::new(world, limits, settings.footprint, 1.0);

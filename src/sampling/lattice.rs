@@ -1,34 +1,42 @@
-//! Rank-1 lattices of the unit square, as round as they can be once the square is stretched to the shape it is mapped
-//! to · points (i/n, i·g/n mod 1) · lattices and their duals in
-//! `[SloanJoe94]`, shortest vectors by Gauss's reduction.
+//! Rank-1 lattices of the four-dimensional unit cube, chosen for the cells that photons take in it · points
+//! i (1, g, g², g³)/n mod 1 (Korobov's form, `[SloanJoe94]`).
 //!
-//! Photon footprints tile a surface if the emission points are evenly spread *there*: a beam of 7 m by 1 m wants seven
-//! columns for every row. The generator g is the one of some hundred candidates whose stretched lattice has the
-//! longest shortest vector.
+//! What is left of a lattice of photons after their kernels have smoothed it are its waves: frequencies h with
+//! h · z ≡ 0 (mod n), the dual lattice. A kernel over cells of sides c suppresses the wave h the better the longer h is
+//! measured in those sides, |(h₁c₁, …, h₄c₄)|. The generator is the one of some hundred candidates whose shortest wave is
+//! longest: a beam of 7 m by 1 m gets seven columns for every row, and positions on a lamp do not beat against the
+//! directions that leave it.
 
-/// Candidates tried around each golden section of the residues.
+/// Candidates tried around the circle of residues.
 const CANDIDATES: u64 = 256;
 
-/// n points, evenly spread in the rectangle `aspect` × 1.
+/// n points in four dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rank1Lattice {
     n: u64,
-    generator: u64,
+    generator: [u64; 4],
 }
 
 impl Rank1Lattice {
-    /// `aspect`: width over height of the rectangle that the square stands for; `n` > 0.
-    pub fn new(n: u64, aspect: f64) -> Rank1Lattice {
-        let mut best = (0.0, 1);
+    /// The lattice of `n` > 0 points for cells with these sides, each in (0, 1]. A side of 1 asks for nothing.
+    pub fn new(n: u64, cell: [f64; 4]) -> Rank1Lattice {
+        let mut best = (0.0, Rank1Lattice::korobov(n, 1));
         for k in 0..CANDIDATES.min(n) {
             // The multiples of the golden ratio visit the residues evenly, whatever n is.
-            let generator = ((k as f64 * 0.618_033_988_749_894_9).fract() * n as f64) as u64;
-            let length = shortest_vector(n, generator, aspect);
+            let g = ((k as f64 * 0.618_033_988_749_894_9).fract() * n as f64) as u64;
+            let lattice = Rank1Lattice::korobov(n, g);
+            let length = lattice.shortest_wave(cell);
             if length > best.0 {
-                best = (length, generator);
+                best = (length, lattice);
             }
         }
-        Rank1Lattice { n, generator: best.1 }
+        best.1
+    }
+
+    fn korobov(n: u64, g: u64) -> Rank1Lattice {
+        let times_g = |x: u64| (u128::from(x) * u128::from(g) % u128::from(n)) as u64;
+        let [g1, g2] = [times_g(1), times_g(times_g(1))];
+        Rank1Lattice { n, generator: [1, g1, g2, times_g(g2)] }
     }
 
     pub fn len(&self) -> u64 {
@@ -39,64 +47,132 @@ impl Rank1Lattice {
     }
 
     /// Point `i`, 0 ≤ i < n.
-    pub fn point(&self, i: u64) -> [f64; 2] {
-        let product = u128::from(i) * u128::from(self.generator) % u128::from(self.n);
-        [i as f64 / self.n as f64, product as f64 / self.n as f64]
+    pub fn point(&self, i: u64) -> [f64; 4] {
+        self.generator.map(|g| (u128::from(i) * u128::from(g) % u128::from(self.n)) as f64 / self.n as f64)
+    }
+
+    /// Squared length of the shortest non-zero wave, in cells.
+    fn shortest_wave(&self, cell: [f64; 4]) -> f64 {
+        let [_, g1, g2, g3] = self.generator.map(|g| -(g as f64));
+        // Rows that generate all h with h · z ≡ 0 (mod n).
+        let dual = [[self.n as f64, 0.0, 0.0, 0.0], [g1, 1.0, 0.0, 0.0], [g2, 0.0, 1.0, 0.0], [g3, 0.0, 0.0, 1.0]];
+        let mut basis = dual.map(|row| std::array::from_fn(|k| row[k] * cell[k]));
+        reduce(&mut basis);
+        basis.iter().map(|&b| dot(b, b)).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Squared length of the shortest vector of the lattice on the torus, in units of the area of a cell, after stretching
-/// x by `aspect`: at most 2/√3, that of the hexagonal lattice.
-fn shortest_vector(n: u64, generator: u64, aspect: f64) -> f64 {
-    let (nf, stretch) = (n as f64, aspect.sqrt());
-    // The stretch keeps areas, so that a cell has the area 1/n; both axes are then scaled by √n.
-    let scale = [stretch * nf.sqrt(), nf.sqrt() / stretch];
-    let mut a = [scale[0] / nf, scale[1] * generator as f64 / nf];
-    let mut b = [0.0, scale[1]];
-    let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
-    if dot(a, a) > dot(b, b) {
-        std::mem::swap(&mut a, &mut b);
-    }
-    // Each round replaces the longer vector by a strictly shorter one, so rounding cannot make it go round in circles.
-    loop {
-        let m = (dot(a, b) / dot(a, a)).round();
-        b = [b[0] - m * a[0], b[1] - m * a[1]];
-        if dot(b, b).partial_cmp(&dot(a, a)) != Some(std::cmp::Ordering::Less) {
-            return dot(a, a);
+type Vec4 = [f64; 4];
+
+fn dot(a: Vec4, b: Vec4) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn minus(a: Vec4, b: Vec4, m: f64) -> Vec4 {
+    std::array::from_fn(|k| a[k] - m * b[k])
+}
+
+/// Makes a basis of a lattice short: pairs by Gauss's reduction, then by all sums of its vectors with coefficients -1, 0
+/// and 1. In four dimensions a basis that no such sum shortens holds a shortest vector ([NguyenStehle09], Minkowski's
+/// conditions).
+fn reduce(basis: &mut [Vec4; 4]) {
+    while shorten_by_pairs(basis) || shorten_by_sums(basis) {}
+}
+
+/// What counts as shorter: rounding must not make a reduction go round in circles.
+const SHORTER: f64 = 1.0 - 1e-9;
+
+fn shorten_by_pairs(basis: &mut [Vec4; 4]) -> bool {
+    let mut shortened = false;
+    for i in 0..4 {
+        for j in (0..4).filter(|&j| j != i) {
+            let m = (dot(basis[i], basis[j]) / dot(basis[j], basis[j])).round();
+            let candidate = minus(basis[i], basis[j], m);
+            if m.is_finite() && dot(candidate, candidate) < SHORTER * dot(basis[i], basis[i]) {
+                basis[i] = candidate;
+                shortened = true;
+            }
         }
-        std::mem::swap(&mut a, &mut b);
     }
+    shortened
+}
+
+fn shorten_by_sums(basis: &mut [Vec4; 4]) -> bool {
+    for code in 0..81u32 {
+        let coefficients: Vec4 = std::array::from_fn(|k| f64::from(code / 3u32.pow(k as u32) % 3) - 1.0);
+        let sum = (0..4).fold([0.0; 4], |sum, k| minus(sum, basis[k], -coefficients[k]));
+        // Any vector of the sum may be replaced by it; the longest gains most.
+        let longest = (0..4)
+            .filter(|&k| coefficients[k] != 0.0)
+            .max_by(|&a, &b| dot(basis[a], basis[a]).total_cmp(&dot(basis[b], basis[b])));
+        if let Some(longest) = longest
+            && dot(sum, sum) < SHORTER * dot(basis[longest], basis[longest])
+        {
+            basis[longest] = sum;
+            return true;
+        }
+    }
+    false
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A square whose shortest vector is s² cells has its points at least that far apart; checked by brute force on
-    /// the torus, for square and stretched lattices.
+    /// Cells of 1/n in the first pair, stretched, and nothing asked of the second.
+    fn planar(n: u64, aspect: f64) -> Vec4 {
+        let side = (1.0 / n as f64).sqrt();
+        [side / aspect.sqrt(), side * aspect.sqrt(), 1.0, 1.0]
+    }
+
+    /// The shortest wave by trying all of them in a box.
+    fn by_trial(lattice: &Rank1Lattice, cell: Vec4, reach: i64) -> f64 {
+        let side = || -reach..=reach;
+        let mut shortest = f64::INFINITY;
+        for (h0, h1) in side().flat_map(|a| side().map(move |b| (a, b))) {
+            for (h2, h3) in side().flat_map(|a| side().map(move |b| (a, b))) {
+                let h = [h0, h1, h2, h3];
+                let phase: i64 = h.iter().zip(lattice.generator).map(|(h, g)| h * g as i64).sum();
+                if h != [0; 4] && phase.rem_euclid(lattice.n as i64) == 0 {
+                    let scaled: Vec4 = std::array::from_fn(|k| h[k] as f64 * cell[k]);
+                    shortest = shortest.min(dot(scaled, scaled));
+                }
+            }
+        }
+        shortest
+    }
+
     #[test]
-    fn points_are_as_far_apart_as_the_reduction_says() {
-        for (n, aspect) in [(100, 1.0), (101, 7.0), (500, 0.2), (64, 30.0)] {
-            let lattice = Rank1Lattice::new(n, aspect);
-            let claimed = shortest_vector(n, lattice.generator, aspect);
-            let nearest = (1..n)
-                .map(|i| {
-                    let [x, y] = lattice.point(i).map(|t| t - t.round());
-                    (x * x * aspect + y * y / aspect) * n as f64
-                })
-                .fold(aspect.min(1.0 / aspect) * n as f64, f64::min);
-            assert!((claimed - nearest).abs() < 1e-9 * nearest.max(1.0), "n={n}: {claimed} against {nearest}");
+    fn the_reduction_finds_the_shortest_wave() {
+        for (n, g) in [(97, 5), (100, 37), (128, 45), (210, 11), (251, 33)] {
+            for cell in [[0.3; 4], [0.2, 0.4, 0.1, 0.3], [0.1, 0.1, 1.0, 1.0]] {
+                let lattice = Rank1Lattice::korobov(n, g);
+                let (found, tried) = (lattice.shortest_wave(cell), by_trial(&lattice, cell, 16));
+                assert!((found - tried).abs() < 1e-9, "n={n} g={g} {cell:?}: {found} against {tried}");
+            }
         }
     }
 
-    /// The golden ratio guarantees 0.4 or so; the search should come near the hexagonal lattice's 1.1547.
+    /// Where only the first pair matters, the best is the hexagonal lattice's 2/√3.
     #[test]
-    fn lattices_are_nearly_hexagonal_for_all_n_and_aspects() {
+    fn planar_lattices_are_nearly_hexagonal_for_all_n_and_aspects() {
         for n in [500, 1000, 4096, 20_000, 20_011, 1_000_000] {
             for aspect in [0.1, 0.5, 1.0, 1.3, 7.0] {
-                let lattice = Rank1Lattice::new(n, aspect);
-                let length = shortest_vector(n, lattice.generator, aspect);
-                assert!(length > 0.9, "n={n} aspect={aspect}: {length}");
+                let length = Rank1Lattice::new(n, planar(n, aspect)).shortest_wave(planar(n, aspect));
+                assert!(length > 0.9 && length < 1.16, "n={n} aspect={aspect}: {length}");
+            }
+        }
+    }
+
+    /// Hermite's constant bounds the shortest vector of a lattice of volume 1 in four dimensions by √2, squared.
+    #[test]
+    fn lattices_in_four_dimensions_come_near_hermites_bound() {
+        for n in [1000u64, 20_011, 1_000_000] {
+            for ratio in [1.0, 0.3, 0.1] {
+                let n4 = (n as f64).powf(-0.25);
+                let cell = [n4 * ratio, n4 * ratio, n4 / ratio, n4 / ratio];
+                let length = Rank1Lattice::new(n, cell).shortest_wave(cell);
+                assert!(length > 0.9 && length < 1.4143, "n={n} ratio={ratio}: {length}");
             }
         }
     }
@@ -104,7 +180,7 @@ mod tests {
     #[test]
     fn small_lattices_have_all_their_points() {
         for n in 1..20 {
-            let lattice = Rank1Lattice::new(n, 1.0);
+            let lattice = Rank1Lattice::new(n, [0.5; 4]);
             assert!((0..n).all(|i| lattice.point(i).iter().all(|t| (0.0..1.0).contains(t))));
         }
     }
