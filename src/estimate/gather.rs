@@ -26,6 +26,18 @@ pub struct GatherPoint {
     pub bsdf: Bsdf,
     /// Semi-axes of the eye sample's footprint on the surface, zero where it has none.
     pub eye: [Vec3; 2],
+    /// Which photons are asked.
+    pub asks: Asks,
+}
+
+/// Which photons answer for a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asks {
+    /// All of them.
+    All,
+    /// The stratum that this number in [0, 1) draws, for all: unbiased, and enough behind a diffuse bounce, whose own
+    /// noise is greater.
+    Drawn(f64),
 }
 
 /// What the photons say at a point.
@@ -39,33 +51,54 @@ pub struct Gathered {
 /// Points in a leaf of their tree.
 const LEAF_SIZE: u32 = 8;
 
-/// Estimates all of `points` at once: every footprint that reaches one of them is made ready once and splatted.
+/// Estimates all of `points` at once.
 pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
+    let mut gathered = vec![Gathered::default(); points.len()];
+    let strata = map.strata();
+    let of = |wanted: &dyn Fn(Asks) -> bool| (0..points.len()).filter(|&i| wanted(points[i].asks)).collect::<Vec<_>>();
+    let mut answer = |asked: &[BoxTree], weight: f64, who: Vec<usize>| {
+        let group: Vec<&GatherPoint> = who.iter().map(|&i| &points[i]).collect();
+        for (i, sum) in who.into_iter().zip(splat_all(map, asked, kernel, &group)) {
+            gathered[i] = Gathered { radiance: sum.radiance * weight, density: sum.density * weight };
+        }
+    };
+    answer(strata, 1.0, of(&|asks| asks == Asks::All));
+    for (k, stratum) in strata.iter().enumerate() {
+        let drawn = |asks| matches!(asks, Asks::Drawn(u) if (u * strata.len() as f64) as usize == k);
+        answer(std::slice::from_ref(stratum), strata.len() as f64, of(&drawn));
+    }
+    gathered
+}
+
+/// The sums over the photons of `strata`: every footprint that reaches one of the points is made ready once and splatted.
+fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &[&GatherPoint]) -> Vec<Gathered> {
     let boxes: Vec<OuterBox> = points.iter().map(|point| OuterBox::new(point.p, half_extents(&point.eye))).collect();
     let tree = BoxTree::build(&boxes, LEAF_SIZE);
     // In the order of the leaves, so that a splat reads and writes runs.
-    let points: Vec<&GatherPoint> = tree.order().iter().map(|&i| &points[i as usize]).collect();
+    let points: Vec<&GatherPoint> = tree.order().iter().map(|&i| points[i as usize]).collect();
     let widest_eye = points.iter().map(|point| square_sum(&point.eye)).fold(0.0, f64::max);
     let mut sums = vec![Gathered::default(); points.len()];
-    map.tree().visit_over(&tree, |j, bounds| {
-        let photon = &map.photons[j as usize];
-        let splat = Splat::new(photon, kernel, widest_eye);
-        tree.visit(bounds, |leaf| {
-            for (sum, point) in sums[leaf.clone()].iter_mut().zip(&points[leaf]) {
-                let weight = splat.weight(point);
-                if weight > 0.0 {
-                    sum.radiance += Radiance(reflected(point, photon) * weight);
-                    sum.density += weight;
+    for stratum in strata {
+        stratum.visit_over(&tree, |j, bounds| {
+            let photon = &map.photons[j as usize];
+            let splat = Splat::new(photon, kernel, widest_eye);
+            tree.visit(bounds, |leaf| {
+                for (sum, point) in sums[leaf.clone()].iter_mut().zip(&points[leaf]) {
+                    let weight = splat.weight(point);
+                    if weight > 0.0 {
+                        sum.radiance += Radiance(reflected(point, photon) * weight);
+                        sum.density += weight;
+                    }
                 }
-            }
-            true
+                true
+            });
         });
-    });
-    let mut gathered = vec![Gathered::default(); points.len()];
-    for (&i, sum) in tree.order().iter().zip(sums) {
-        gathered[i as usize] = sum;
     }
-    gathered
+    let mut in_order = vec![Gathered::default(); points.len()];
+    for (&i, sum) in tree.order().iter().zip(sums) {
+        in_order[i as usize] = sum;
+    }
+    in_order
 }
 
 /// A photon's footprint made ready for many points.
@@ -174,7 +207,7 @@ mod tests {
     }
 
     fn point(p: Point3, n: Normal3, eye: [Vec3; 2]) -> GatherPoint {
-        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf: lambert_at(p, n, 1.0), eye }
+        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf: lambert_at(p, n, 1.0), eye, asks: Asks::All }
     }
 
     fn random_photons(n: usize) -> Vec<Photon> {

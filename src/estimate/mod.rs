@@ -6,5 +6,5 @@ pub mod kernel;
 pub mod nearest;
 pub mod select;
 
-pub use gather::{GatherPoint, Gathered};
+pub use gather::{Asks, GatherPoint, Gathered};
 pub use select::Estimate;

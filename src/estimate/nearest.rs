@@ -57,6 +57,7 @@ impl<'a> NearestPhotons<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::gather::Asks;
     use super::*;
     use crate::math::{Dir3, Normal3, Point3, Vec3};
     use crate::photon::footprint::TangentForm;
@@ -91,7 +92,7 @@ mod tests {
         let map = PhotonMap::from_units(1, [(LightId(0), photons, PhotonCounts::default())]);
         let (p, n) = (Point3::new(0.5, 0.5, 0.0), Normal3::Z);
         let bsdf = lambert_at(p, n, 1.0);
-        let point = GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2] };
+        let point = GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All };
         NearestPhotons::new(&map).gather(k, kernel, &point).density
     }
 }

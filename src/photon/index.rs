@@ -27,6 +27,10 @@ impl OuterBox {
         let (lo, hi) = (centre.to_vec() - half - margin, centre.to_vec() + half + margin);
         OuterBox(Aabb::new(lo.as_vec3a(), hi.as_vec3a()))
     }
+    /// The box of its middle alone.
+    pub fn centre(&self) -> OuterBox {
+        OuterBox(Aabb::from_point(self.0.center()))
+    }
 }
 
 impl Boundable for OuterBox {
@@ -56,6 +60,16 @@ impl BoxTree {
         );
         collapse(&mut tree, leaf_size, TRAVERSAL_COST);
         BoxTree { tree }
+    }
+
+    /// A tree over every `step`-th box from `first` on, with one box in a leaf; boxes keep their indices.
+    pub fn build_every(boxes: &[OuterBox], first: usize, step: usize) -> BoxTree {
+        let chosen: Vec<OuterBox> = boxes.iter().skip(first).step_by(step).copied().collect();
+        let mut built = BoxTree::build(&chosen, 1);
+        for index in &mut built.tree.primitive_indices {
+            *index = (first + *index as usize * step) as u32;
+        }
+        built
     }
 
     /// All boxes in the order in which leaves hold them: [`BoxTree::visit`] gives ranges of this list.

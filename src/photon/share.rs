@@ -17,7 +17,7 @@ const PILOTS: u64 = 512;
 
 /// How many times more footprints cover a point than with cells of 1/n, at most. The work of the estimate grows with
 /// it; where a curved mirror spreads the light, thousands of footprints may lie over a point.
-pub const MAX_OVERLAP: f64 = 64.0;
+pub const MAX_OVERLAP: f64 = 32.0;
 
 /// The cell of one photon, as fractions of the two unit squares.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,7 +8,7 @@
 
 use crate::camera::CameraRay;
 use crate::differential::{Differential, Refraction, reflect, refract, transfer};
-use crate::estimate::GatherPoint;
+use crate::estimate::{Asks, GatherPoint};
 use crate::film::EyeSample;
 use crate::math::{Dir3, Point3, Ray, Vec3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
@@ -96,7 +96,7 @@ impl EyePathTracer<'_> {
                     self.add_direct_light(&walk, &si, &bsdf, stream, &mut sample);
                 }
                 if self.finds == EyeFinds::AllButCaustics {
-                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter));
+                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter, stream));
                 }
                 seen_scatter = true;
             }
@@ -205,9 +205,10 @@ impl EyePathTracer<'_> {
         if walk.bounces == 0 { sample.direct += light } else { sample.indirect += light }
     }
 
-    fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool) -> Query {
+    fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
         let eye: [Vec3; 2] = walk.differential.columns.map(|c| c.dx * self.sample_radius);
-        let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye };
+        let asks = if walk.bounces == 0 { Asks::All } else { Asks::Drawn(stream.uniform()) };
+        let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
         Query { point, beta: walk.beta, first }
     }
 }
