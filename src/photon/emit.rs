@@ -86,7 +86,7 @@ impl EmissionPoints {
                 (qmc::shifted([a, b], self.shift[0]), qmc::shifted([c, d], self.shift[1]))
             }
         };
-        leading(self.collimated, [other[0], other[1], lead[0], lead[1]])
+        leading(self.collimated, [lead[0], lead[1], other[0], other[1]])
     }
 
     /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell.
@@ -99,7 +99,7 @@ impl EmissionPoints {
     }
 }
 
-/// (u, v; θ, φ) with the pair in front that leads, and back again.
+/// (u, v; θ, φ) with the pair in front that leads; its own inverse.
 fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4] {
     if collimated { [u, v, theta, phi] } else { [theta, phi, u, v] }
 }
