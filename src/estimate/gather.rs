@@ -4,6 +4,8 @@
 //! adding the footprint of one eye sample keeps folds, where a photon's own area goes through zero, as sharp as the
 //! picture can show and no sharper. The same Q makes the shape and the normalisation, so no energy is lost.
 
+use std::ops::Range;
+
 use crate::estimate::kernel;
 use crate::math::{Dir3, Frame, Normal3, Point3, Vec2, Vec3};
 use crate::photon::footprint::TangentForm;
@@ -82,7 +84,7 @@ fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &
         stratum.visit_over(&tree, |j, bounds| {
             let photon = &map.photons[j as usize];
             let splat = Splat::new(photon, kernel, widest_eye);
-            tree.visit(bounds, |leaf| {
+            let visit = |leaf: Range<usize>| {
                 for (sum, point) in sums[leaf.clone()].iter_mut().zip(&points[leaf]) {
                     let weight = splat.weight(point);
                     if weight > 0.0 {
@@ -91,7 +93,8 @@ fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &
                     }
                 }
                 true
-            });
+            };
+            tree.visit_where(bounds, |points| splat.may_reach(points), visit);
         });
     }
     let mut in_order = vec![Gathered::default(); points.len()];
@@ -130,6 +133,13 @@ impl<'a> Splat<'a> {
         let first = plane[0] / l11;
         let second = (plane[1] - first * l21) / l22;
         Splat { photon, kernel, position: photon.position(), frame, slide, form, plane, outside: [first, second] }
+    }
+
+    /// False where the box lies outside the footprint as a whole: long thin footprints fill little of their own boxes.
+    fn may_reach(&self, points: &OuterBox) -> bool {
+        let (o, half) = (points.middle() - self.position, points.half_extents());
+        // Not a comparison with ≤, so that NaN rows, of a footprint without area, let all boxes pass.
+        !self.outside.iter().any(|row| row.dot(o).abs() > 1.0 + 1e-5 + row.abs().dot(half))
     }
 
     /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², 0 where the footprint does not reach the point or belongs to another surface.

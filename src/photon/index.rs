@@ -27,6 +27,12 @@ impl OuterBox {
         let (lo, hi) = (centre.to_vec() - half - margin, centre.to_vec() + half + margin);
         OuterBox(Aabb::new(lo.as_vec3a(), hi.as_vec3a()))
     }
+    pub fn middle(&self) -> Point3 {
+        Point3::from_f32(self.0.center().to_array())
+    }
+    pub fn half_extents(&self) -> Vec3 {
+        Vec3::from((0.5 * self.0.diagonal()).to_array().map(f64::from))
+    }
     /// The box of its middle alone.
     pub fn centre(&self) -> OuterBox {
         OuterBox(Aabb::from_point(self.0.center()))
@@ -79,8 +85,19 @@ impl BoxTree {
 
     /// Calls `visit` with every leaf that overlaps `bounds`, as a range of [`BoxTree::order`], always from left to
     /// right, until it returns false.
-    pub fn visit(&self, bounds: &OuterBox, mut visit: impl FnMut(Range<usize>) -> bool) {
-        self.descend(|aabb| aabb.intersect_aabb(&bounds.0), |node| visit(range(node)));
+    pub fn visit(&self, bounds: &OuterBox, visit: impl FnMut(Range<usize>) -> bool) {
+        self.visit_where(bounds, |_| true, visit);
+    }
+
+    /// As [`BoxTree::visit`], and leaves out what lies below a box that `enter` refuses.
+    pub fn visit_where(
+        &self,
+        bounds: &OuterBox,
+        enter: impl Fn(&OuterBox) -> bool,
+        mut visit: impl FnMut(Range<usize>) -> bool,
+    ) {
+        let enters = |aabb: &Aabb| aabb.intersect_aabb(&bounds.0) && enter(&OuterBox(*aabb));
+        self.descend(enters, |node| visit(range(node)));
     }
 
     /// Calls `visit(j, bounds)` for every box of this tree that lies in a leaf overlapping a leaf of `points`, always
