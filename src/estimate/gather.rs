@@ -253,6 +253,44 @@ mod tests {
         }
     }
 
+    /// Over all numbers that can be drawn, the mean of the strata's answers is what all photons say together.
+    #[test]
+    fn strata_answer_for_all_photons_in_the_mean() {
+        let map = map(random_photons(4000));
+        let strata = map.strata().len();
+        assert!(strata > 4, "footprints as wide as these are worth strata, not {strata}");
+        let mut centre = point(Point3::new(0.5, 0.5, 0.0), Normal3::Z, [Vec3::ZERO; 2]);
+        let all = gather(&map, KernelShape::Triweight, &[centre])[0];
+        let drawn: Vec<f64> = (0..strata)
+            .map(|k| {
+                centre.asks = Asks::Drawn((k as f64 + 0.5) / strata as f64);
+                gather(&map, KernelShape::Triweight, &[centre])[0].density
+            })
+            .collect();
+        let mean = drawn.iter().sum::<f64>() / strata as f64;
+        assert!((mean / all.density - 1.0).abs() < 1e-12, "{mean} against {}", all.density);
+        assert!(drawn.iter().any(|d| (d / all.density - 1.0).abs() > 1e-3), "strata are all the same");
+    }
+
+    /// The trees leave out what no footprint reaches and nothing else: against all pairs, one by one.
+    #[test]
+    fn trees_find_all_that_single_pairs_find() {
+        let photons = random_photons(300);
+        let map = map(photons.clone());
+        let mut s = Stream::new(6, Purpose::Test, 0, 0);
+        let points: Vec<_> = (0..500)
+            .map(|_| {
+                let p = Point3::new(1.4 * s.uniform() - 0.2, 1.4 * s.uniform() - 0.2, 1e-4 * (s.uniform() - 0.5));
+                point(p, Normal3::Z, [Vec3::X * 0.02 * s.uniform(), Vec3::Y * 0.01])
+            })
+            .collect();
+        for (g, point) in gather(&map, KernelShape::Epanechnikov, &points).iter().zip(&points) {
+            let single = |photon| Splat::new(photon, KernelShape::Epanechnikov, square_sum(&point.eye)).weight(point);
+            let expected: f64 = photons.iter().map(single).sum();
+            assert!((g.density - expected).abs() <= 1e-9 * expected, "{} against {expected}", g.density);
+        }
+    }
+
     #[test]
     fn a_photon_lights_only_its_own_side_and_sheet() {
         let axes = [Vec3::X * 0.05, Vec3::Y * 0.05];

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
@@ -200,7 +200,8 @@ mod tests {
         let (points, footprints) = (boxes(200, 0.0, 3), boxes(400, 0.2, 4));
         let together = overlaps(&points, &footprints);
         for (i, point) in points.iter().enumerate() {
-            let mut alone = overlaps(&[*point], &footprints)[0].iter().peekable();
+            let alone = overlaps(&[*point], &footprints);
+            let mut alone = alone[0].iter().peekable();
             for j in &together[i] {
                 alone.next_if_eq(&j);
             }

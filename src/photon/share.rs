@@ -35,11 +35,7 @@ impl Share {
     /// 1/n of the one pair that a source without area, or without directions, has.
     pub fn leading(n: u64, collimated: bool) -> Share {
         let cell = 1.0 / n as f64;
-        if collimated {
-            Share { positions: cell, directions: 1.0 }
-        } else {
-            Share { positions: 1.0, directions: cell }
-        }
+        if collimated { Share { positions: cell, directions: 1.0 } } else { Share { positions: 1.0, directions: cell } }
     }
 
     /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
@@ -57,10 +53,11 @@ impl Share {
     /// Sides of the cell in (u, v; θ, φ), where the square of positions stands for a rectangle `aspects[0]` × 1 and that
     /// of directions for `aspects[1]` × 1: cells are squares there, but for those that fill a side.
     pub fn sides(&self, aspects: [f64; 2]) -> [f64; 4] {
-        let [[u, v], [theta, phi]] = [(self.positions, aspects[0]), (self.directions, aspects[1])].map(|(area, aspect)| {
-            let width = (area / aspect).sqrt().clamp(area, 1.0);
-            [width, area / width]
-        });
+        let [[u, v], [theta, phi]] =
+            [(self.positions, aspects[0]), (self.directions, aspects[1])].map(|(area, aspect)| {
+                let width = (area / aspect).sqrt().clamp(area, 1.0);
+                [width, area / width]
+            });
         [u, v, theta, phi]
     }
 

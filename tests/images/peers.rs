@@ -86,7 +86,11 @@ fn check(comparison: &Comparison, reference_error: f64) {
     let Some(Errors { rel_mse, flux, flux_error }) = errors(comparison) else { return };
     println!("{}: relMSE {rel_mse:.5}, flux {flux:.4} ± {flux_error:.4} of the reference's", comparison.scene);
     assert!(rel_mse <= 0.0084, "{}: relMSE {rel_mse}", comparison.scene);
-    assert!((flux - 1.0).abs() < reference_error + 4.0 * flux_error, "{}: flux {flux} ± {flux_error}", comparison.scene);
+    assert!(
+        (flux - 1.0).abs() < reference_error + 4.0 * flux_error,
+        "{}: flux {flux} ± {flux_error}",
+        comparison.scene
+    );
 }
 
 #[test]
