@@ -45,12 +45,12 @@ impl Boundable for OuterBox {
     }
 }
 
-/// A tree over boxes; leaves name the boxes by their index.
+/// A tree over boxes, which have indices; a leaf holds a run of [`BoxTree::order`].
 pub struct BoxTree {
     tree: Bvh2,
 }
 
-/// What a test of a point costs, in tests of a box.
+/// What entering a node costs, in tests of one box of a leaf.
 const TRAVERSAL_COST: f32 = 1.0;
 
 impl BoxTree {
