@@ -137,7 +137,7 @@ impl<'a> Splat<'a> {
 
     /// False where the box lies outside the footprint as a whole: long thin footprints fill little of their own boxes.
     fn may_reach(&self, points: &OuterBox) -> bool {
-        let (o, half) = (points.middle() - self.position, points.half_extents());
+        let (o, half) = (points.centre() - self.position, points.half_extents());
         // Not a comparison with ≤, so that NaN rows, of a footprint without area, let all boxes pass.
         !self.outside.iter().any(|row| row.dot(o).abs() > 1.0 + 1e-5 + row.abs().dot(half))
     }

@@ -27,14 +27,14 @@ impl OuterBox {
         let (lo, hi) = (centre.to_vec() - half - margin, centre.to_vec() + half + margin);
         OuterBox(Aabb::new(lo.as_vec3a(), hi.as_vec3a()))
     }
-    pub fn middle(&self) -> Point3 {
+    pub fn centre(&self) -> Point3 {
         Point3::from_f32(self.0.center().to_array())
     }
     pub fn half_extents(&self) -> Vec3 {
         Vec3::from((0.5 * self.0.diagonal()).to_array().map(f64::from))
     }
     /// The box of its middle alone.
-    pub fn centre(&self) -> OuterBox {
+    pub fn at_centre(&self) -> OuterBox {
         OuterBox(Aabb::from_point(self.0.center()))
     }
 }

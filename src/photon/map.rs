@@ -67,7 +67,7 @@ fn coverage(tree: &BoxTree, boxes: &[OuterBox]) -> f64 {
     let probes = boxes.iter().step_by(step);
     let mut found = 0;
     for probe in probes.clone() {
-        tree.visit(&probe.centre(), |leaf| {
+        tree.visit(&probe.at_centre(), |leaf| {
             found += leaf.len();
             true
         });
