@@ -1,5 +1,6 @@
 //! The lights of a scene, ready to emit.
 
+use super::select::pick_weights;
 use super::{AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, SceneSphere, SpotLight};
 use crate::math::Dir3;
 use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
@@ -24,7 +25,8 @@ pub enum LightError {
 #[derive(Debug)]
 pub struct Lights {
     lights: Vec<Box<dyn Light>>,
-    pub(super) by_power: Option<DiscreteTable>,
+    /// What shadow rays choose from.
+    pub(super) picks: Option<DiscreteTable>,
     environments: Vec<LightId>,
     scene: SceneSphere,
 }
@@ -48,7 +50,7 @@ impl Lights {
             .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. }))
             .map(|i| LightId(i as u32))
             .collect();
-        Ok(Lights { lights, by_power: DiscreteTable::new(&powers), environments, scene: sphere })
+        Ok(Lights { lights, picks: DiscreteTable::new(&pick_weights(&powers)), environments, scene: sphere })
     }
 
     pub fn len(&self) -> usize {

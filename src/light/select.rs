@@ -23,16 +23,25 @@ impl Lights {
         allot(n, &shares)
     }
 
-    /// A light with a probability in proportion to its power's luminance; `None` if all are dark.
+    /// A light with a probability in proportion to its [`pick_weights`]; `None` if all are dark.
     pub fn pick(&self, u: f64) -> Option<LightChoice> {
-        let s = self.by_power.as_ref()?.sample(u);
+        let s = self.picks.as_ref()?.sample(u);
         Some(LightChoice { light: LightId(s.index as u32), pmf: s.pmf, reused: s.reused })
     }
 
     /// The probability with which [`Lights::pick`] chooses `light`.
     pub fn pick_pmf(&self, light: LightId) -> Pmf {
-        self.by_power.as_ref().map_or(Pmf(0.0), |table| table.pmf(light.index()))
+        self.picks.as_ref().map_or(Pmf(0.0), |table| table.pmf(light.index()))
     }
+}
+
+/// How often shadow rays should look at each light: half by power, half evenly among all that shine. By power alone a
+/// spot that lights what the camera sees is hardly looked at beside a sky that lights the whole scene.
+pub(super) fn pick_weights(powers: &[f64]) -> Vec<f64> {
+    let total: f64 = powers.iter().sum();
+    let shining = powers.iter().filter(|&&power| power > 0.0).count() as f64;
+    let weight = |&power: &f64| if power > 0.0 { 0.5 * power / total + 0.5 / shining } else { 0.0 };
+    powers.iter().map(weight).collect()
 }
 
 /// Splits `n` in proportion to `shares` by largest remainders, ties to the earlier one; at least 1 for every positive

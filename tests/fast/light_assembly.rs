@@ -36,7 +36,7 @@ fn objects() -> Scene {
 }
 
 #[test]
-fn lights_are_picked_and_given_photons_by_power() {
+fn lights_are_picked_half_evenly_and_given_photons_by_power() {
     let mut scene = objects();
     scene.lights = vec![
         LightSource::Point { position: Point3::new(0.0, 3.0, 0.0), intensity: GREY },
@@ -53,7 +53,9 @@ fn lights_are_picked_and_given_photons_by_power() {
         let close = |x: f64, y: f64| (x - y).abs() <= 8.0 * f64::from(f32::EPSILON) * y;
         let light = LightId(i as u32);
         assert!(close(lights.get(light).power().0.luminance(), *power), "light {i}");
-        assert!(close(lights.pick_pmf(light).0, power / total), "light {i}");
+        // Half by power, half evenly among the three that shine.
+        let pick = if *power > 0.0 { 0.5 * power / total + 0.5 / 3.0 } else { 0.0 };
+        assert!(close(lights.pick_pmf(light).0, pick), "light {i}");
     }
     let first = lights.pick(0.0).expect("some shine");
     assert_eq!(first.light, LightId(0));
