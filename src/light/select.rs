@@ -23,7 +23,7 @@ impl Lights {
         allot(n, &shares)
     }
 
-    /// A light with a probability in proportion to its [`pick_weights`]; `None` if all are dark.
+    /// A light with a probability in proportion to its `pick_weights`; `None` if all are dark.
     pub fn pick(&self, u: f64) -> Option<LightChoice> {
         let s = self.picks.as_ref()?.sample(u);
         Some(LightChoice { light: LightId(s.index as u32), pmf: s.pmf, reused: s.reused })
