@@ -53,7 +53,7 @@ pub struct Gathered {
 /// Points in a leaf of their tree.
 const LEAF_SIZE: u32 = 8;
 
-/// Estimates all of `points` at once.
+/// Estimates all of `points` at once: those that ask all photons together, the others with their stratum's.
 pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
     let mut gathered = vec![Gathered::default(); points.len()];
     let strata = map.strata();

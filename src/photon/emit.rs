@@ -17,8 +17,8 @@ use crate::scene::{LightId, RenderSettings};
 /// The points in the sample square (u, v; θ, φ) at which one light emits in one pass; point i is a pure function of
 /// (seed, pass, light, i).
 ///
-/// The pair that decides where a photon lands leads and gets the better of two point sets: positions for collimated
-/// beams, directions for everything else.
+/// The pair that decides where a photon lands leads, positions for collimated beams and directions for everything else:
+/// its aspect shapes strata and cells, and it comes first in the lattice.
 #[derive(Clone, Debug)]
 pub struct EmissionPoints {
     pattern: EmissionPattern,

@@ -65,14 +65,14 @@ fn stratify(boxes: &[OuterBox]) -> Vec<BoxTree> {
 fn coverage(tree: &BoxTree, boxes: &[OuterBox]) -> f64 {
     let step = boxes.len().div_ceil(COVERAGE_PROBES).max(1);
     let probes = boxes.iter().step_by(step);
-    let mut found = 0;
+    let mut found = 0usize;
     for probe in probes.clone() {
         tree.visit(&probe.at_centre(), |leaf| {
             found += leaf.len();
             true
         });
     }
-    f64::from(found as u32) / probes.len().max(1) as f64
+    found as f64 / probes.len().max(1) as f64
 }
 
 /// Around every point that the footprint may light: the ellipse, and what slides into it from both sides.

@@ -1,7 +1,5 @@
-//! Point sets of the unit square: rank-1 lattices and stratified sets for any number of points.
-//!
-//! A lattice is worth an order of magnitude in photons: neighbouring footprints then overlap evenly and tile what
-//! they light.
+//! Point sets of the unit square for any number of points: golden lattices, the R2 sequence, stratified sets. The
+//! lattices that photons start from are [`super::lattice`]'s.
 
 /// 1/φ, the golden ratio's fractional part: the generator whose rank-1 lattices have no bad n.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
