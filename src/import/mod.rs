@@ -5,6 +5,7 @@
 
 mod assets;
 pub mod image;
+pub(crate) mod keyed;
 pub mod mesh_file;
 pub mod native;
 pub mod obj;

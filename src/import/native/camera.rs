@@ -3,8 +3,10 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::convert::{Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found};
-use super::reader::Section;
+use crate::import::keyed::convert::{
+    Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found,
+};
+use crate::import::keyed::reader::Section;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraModelDescription};
 use crate::scene::settings::{

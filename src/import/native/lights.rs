@@ -1,7 +1,7 @@
 //! `[[lights]]`.
 
-use super::convert::{Choice, Colour, Convert, Direction, NON_NEGATIVE, Number, POINT, POSITIVE};
-use super::reader::Section;
+use crate::import::keyed::convert::{Choice, Colour, Convert, Direction, NON_NEGATIVE, Number, POINT, POSITIVE};
+use crate::import::keyed::reader::Section;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel};
 
 #[derive(Clone, Copy)]

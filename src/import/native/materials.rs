@@ -3,10 +3,10 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::convert::{Boolean, Choice, Colour, Convert, FRACTION, NON_NEGATIVE, Number, POSITIVE, Text};
-use super::reader::Section;
 use crate::import::assets::Assets;
 use crate::import::image::ColourSpace;
+use crate::import::keyed::convert::{Boolean, Choice, Colour, Convert, FRACTION, NON_NEGATIVE, Number, POSITIVE, Text};
+use crate::import::keyed::reader::Section;
 use crate::scene::description::{MaterialDescription, MaterialModel, Parameter};
 use crate::scene::metal::Metal;
 use crate::scene::texture::Wrap;

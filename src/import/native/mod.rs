@@ -3,13 +3,10 @@
 //! The format is described in [`crate::doc::scene_format`].
 
 mod camera;
-mod convert;
 mod lights;
 mod materials;
 mod objects;
 mod overrides;
-mod reader;
-mod texts;
 
 pub use overrides::Override;
 
@@ -17,18 +14,16 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
-use self::convert::Integer;
-use self::reader::{Reader, Section};
-use self::texts::Texts;
 use super::assets::Assets;
+use super::keyed::convert::Integer;
+use super::keyed::reader::{Reader, Section};
+use super::keyed::syntax_problems;
+use super::keyed::texts::Texts;
 use crate::scene::description::SceneDescription;
-use crate::scene::error::{Problem, Problems};
+use crate::scene::error::Problems;
 
 /// The version of the format that this program reads.
 const FORMAT: u64 = 1;
-
-/// Syntax errors reported from one file: after the first few the parser mostly trips over itself.
-const MAX_SYNTAX_ERRORS: usize = 5;
 
 /// Reads `text`, the content of `path`, with `overrides` laid over it; files that it names are found beside `path`.
 ///
@@ -48,14 +43,6 @@ pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<Scen
     let reader = Reader::new(&texts, problems);
     let description = read_scene(Section::new(&reader, "the scene", &table, span), path);
     (Some(description), reader.into_problems())
-}
-
-fn syntax_problems(errors: &[toml::de::Error], texts: &Texts<'_>) -> Problems {
-    let problem = |error: &toml::de::Error| {
-        let source = error.span().map_or_else(|| texts.file().clone(), |span| texts.source(span));
-        Problem::new(format!("not TOML: {}", error.message())).at(&source)
-    };
-    Problems(errors.iter().take(MAX_SYNTAX_ERRORS).map(problem).collect())
 }
 
 fn read_scene(root: Section<'_>, path: &Path) -> SceneDescription {

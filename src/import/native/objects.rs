@@ -3,11 +3,11 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
-use super::convert::{
+use crate::import::assets::Assets;
+use crate::import::keyed::convert::{
     ANY, Array, Boolean, Choice, Colour, Direction, NON_NEGATIVE, POINT, POSITIVE, ScaleFactors, Text,
 };
-use super::reader::Section;
-use crate::import::assets::Assets;
+use crate::import::keyed::reader::Section;
 use crate::scene::description::{
     Emission, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
 };
@@ -58,7 +58,7 @@ fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<O
     let shape = match section.get("shape") {
         Some(value) => section.reader.convert("shape", value, &SHAPES),
         None => {
-            section.missing("shape", &super::convert::Convert::expects(&SHAPES));
+            section.missing("shape", &crate::import::keyed::convert::Convert::expects(&SHAPES));
             None
         }
     };

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::texts::Texts;
+use crate::import::keyed::texts::Texts;
 use crate::scene::error::{Problem, Problems};
 
 /// One override: `render.photons=1000`, `materials.glass.ior=1.7`, `lights.0.intensity=[1, 2, 3]`.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::scene::error::Source;
 
 /// The texts of a scene, laid one behind the other.
-pub(super) struct Texts<'t> {
+pub(crate) struct Texts<'t> {
     file: Source,
     text: &'t str,
     line_starts: Vec<usize>,

@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use crate::scene::spelling::nearest;
 
 /// Why a value is not of its kind: what was found there.
-pub(super) struct Mismatch {
+pub(crate) struct Mismatch {
     pub found: String,
     pub span: Range<usize>,
 }
@@ -20,7 +20,7 @@ impl Mismatch {
 }
 
 /// A kind of value.
-pub(super) trait Convert {
+pub(crate) trait Convert {
     type Output;
     /// Completes "must be …".
     fn expects(&self) -> String;
@@ -32,7 +32,7 @@ pub(super) trait Convert {
 }
 
 /// A value as messages show it.
-pub(super) fn found(value: &DeValue<'_>) -> String {
+pub(crate) fn found(value: &DeValue<'_>) -> String {
     const SHOWN: usize = 40;
     match value {
         DeValue::String(s) if s.chars().count() > SHOWN => {
@@ -53,16 +53,16 @@ pub(super) fn found(value: &DeValue<'_>) -> String {
 
 /// A finite number within bounds.
 #[derive(Clone, Copy)]
-pub(super) struct Number {
+pub(crate) struct Number {
     /// Lower bound and whether it is itself allowed.
     min: (f64, bool),
     max: (f64, bool),
 }
 
-pub(super) const ANY: Number = Number { min: (f64::NEG_INFINITY, false), max: (f64::INFINITY, false) };
-pub(super) const POSITIVE: Number = Number { min: (0.0, false), ..ANY };
-pub(super) const NON_NEGATIVE: Number = Number { min: (0.0, true), ..ANY };
-pub(super) const FRACTION: Number = Number { min: (0.0, true), max: (1.0, true) };
+pub(crate) const ANY: Number = Number { min: (f64::NEG_INFINITY, false), max: (f64::INFINITY, false) };
+pub(crate) const POSITIVE: Number = Number { min: (0.0, false), ..ANY };
+pub(crate) const NON_NEGATIVE: Number = Number { min: (0.0, true), ..ANY };
+pub(crate) const FRACTION: Number = Number { min: (0.0, true), max: (1.0, true) };
 
 impl Number {
     /// min < x < max
@@ -113,7 +113,7 @@ impl Convert for Number {
 
 /// An integer from `min` to `max`.
 #[derive(Clone, Copy)]
-pub(super) struct Integer {
+pub(crate) struct Integer {
     pub min: u64,
     pub max: u64,
     pub help: Option<&'static str>,
@@ -142,7 +142,7 @@ impl Convert for Integer {
 
 /// `N` numbers of one kind.
 #[derive(Clone, Copy)]
-pub(super) struct Array<K, const N: usize>(pub K);
+pub(crate) struct Array<K, const N: usize>(pub K);
 
 impl<K: Convert<Output: Copy + Default>, const N: usize> Convert for Array<K, N> {
     type Output = [K::Output; N];
@@ -166,11 +166,11 @@ impl<K: Convert<Output: Copy + Default>, const N: usize> Convert for Array<K, N>
 }
 
 /// A position: three numbers.
-pub(super) const POINT: Array<Number, 3> = Array(ANY);
+pub(crate) const POINT: Array<Number, 3> = Array(ANY);
 
 /// Three numbers, not all zero.
 #[derive(Clone, Copy)]
-pub(super) struct Direction;
+pub(crate) struct Direction;
 
 impl Convert for Direction {
     type Output = [f64; 3];
@@ -188,7 +188,7 @@ impl Convert for Direction {
 
 /// One number (grey) or three (linear Rec.709).
 #[derive(Clone, Copy)]
-pub(super) struct Colour(pub Number);
+pub(crate) struct Colour(pub Number);
 
 impl Convert for Colour {
     type Output = [f64; 3];
@@ -205,7 +205,7 @@ impl Convert for Colour {
 
 /// A factor: one number for all axes, or three.
 #[derive(Clone, Copy)]
-pub(super) struct ScaleFactors;
+pub(crate) struct ScaleFactors;
 
 impl Convert for ScaleFactors {
     type Output = [f64; 3];
@@ -220,7 +220,7 @@ impl Convert for ScaleFactors {
 
 /// Any text.
 #[derive(Clone, Copy)]
-pub(super) struct Text;
+pub(crate) struct Text;
 
 impl Convert for Text {
     type Output = String;
@@ -236,7 +236,7 @@ impl Convert for Text {
 }
 
 #[derive(Clone, Copy)]
-pub(super) struct Boolean;
+pub(crate) struct Boolean;
 
 impl Convert for Boolean {
     type Output = bool;
@@ -253,7 +253,7 @@ impl Convert for Boolean {
 
 /// One of a list of words.
 #[derive(Clone, Copy)]
-pub(super) struct Choice<'n, T> {
+pub(crate) struct Choice<'n, T> {
     pub names: &'n [&'n str],
     pub from_name: fn(&str) -> Option<T>,
 }

@@ -14,7 +14,7 @@ use crate::scene::error::{Problem, Problems, Source};
 use crate::scene::spelling::nearest;
 
 /// Where problems of one scene file are collected.
-pub(super) struct Reader<'t> {
+pub(crate) struct Reader<'t> {
     pub texts: &'t Texts<'t>,
     problems: RefCell<Problems>,
 }
@@ -49,7 +49,7 @@ impl<'t> Reader<'t> {
 }
 
 /// One table of the file while it is read.
-pub(super) struct Section<'t> {
+pub(crate) struct Section<'t> {
     pub reader: &'t Reader<'t>,
     table: &'t DeTable<'t>,
     span: Range<usize>,
