@@ -87,7 +87,8 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
 /// How many phases a render announces: the scene, those of each pass, the writing.
 fn phases(settings: &RenderSettings) -> u64 {
     let in_a_pass = match settings.method {
-        Method::PhotonMap | Method::LightTrace => 2,
+        Method::PhotonMap => 2,
+        Method::LightTrace => 3,
         Method::Path => 1,
     };
     2 + in_a_pass * u64::from(settings.passes)

@@ -49,7 +49,7 @@ struct SettingsArgs {
     /// How the lights' sample squares are filled
     #[arg(long, env = "PDEMBREE_EMISSION", value_parser = PossibleValuesParser::new(EmissionPattern::NAMES))]
     emission: Option<String>,
-    /// Photon differentials or k nearest neighbours
+    /// Photon differentials, k nearest neighbours or progressive photon mapping
     #[arg(long, env = "PDEMBREE_ESTIMATOR", value_parser = PossibleValuesParser::new(Estimator::NAMES))]
     estimator: Option<String>,
     /// Ellipse that a photon's differentials span
@@ -64,6 +64,9 @@ struct SettingsArgs {
     /// Neighbours of the knn estimate
     #[arg(long, env = "PDEMBREE_K", value_name = "N", value_parser = small_count)]
     k: Option<u32>,
+    /// Disc of the first pass of sppm: auto or metres
+    #[arg(long, env = "PDEMBREE_RADIUS", value_name = "auto|M", value_parser = radius)]
+    radius: Option<String>,
     /// Edges of a path at most
     #[arg(long, env = "PDEMBREE_MAX_DEPTH", value_name = "N", value_parser = small_count)]
     max_depth: Option<u32>,
@@ -102,6 +105,17 @@ fn bandwidth(text: &str) -> Result<String, String> {
     }
 }
 
+/// The value as the scene file spells it.
+fn radius(text: &str) -> Result<String, String> {
+    match text {
+        "auto" => Ok("\"auto\"".to_owned()),
+        _ => match finite(text) {
+            Ok(metres) if metres > 0.0 => Ok(format!("{metres:?}")),
+            _ => Err("write auto or a number of metres above 0".to_owned()),
+        },
+    }
+}
+
 impl SettingsArgs {
     fn overrides(&self) -> Vec<Override> {
         let word = |value: &Option<String>| value.as_ref().map(|name| format!("{name:?}"));
@@ -120,6 +134,7 @@ impl SettingsArgs {
             ("kernel", word(&self.kernel)),
             ("bandwidth", self.bandwidth.clone()),
             ("k", number(self.k)),
+            ("radius", self.radius.clone()),
             ("max_depth", number(self.max_depth)),
             ("max_bounces", number(self.max_bounces)),
             ("layers", layers),

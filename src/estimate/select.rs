@@ -10,14 +10,14 @@ use crate::scene::settings::Estimator;
 
 /// Photons of a pass, ready to be asked.
 pub enum Estimate<'a> {
-    Differentials(&'a PhotonMap, &'a RenderSettings),
+    Footprints(&'a PhotonMap, &'a RenderSettings),
     Nearest(NearestPhotons<'a>, NonZero<usize>, &'a RenderSettings),
 }
 
 impl<'a> Estimate<'a> {
     pub fn new(map: &'a PhotonMap, settings: &'a RenderSettings) -> Estimate<'a> {
         match settings.estimator {
-            Estimator::Differentials => Estimate::Differentials(map, settings),
+            Estimator::Differentials | Estimator::Progressive => Estimate::Footprints(map, settings),
             Estimator::NearestNeighbours => {
                 // A radius needs two photons.
                 let k = NonZero::new(settings.k.max(2) as usize).unwrap_or(NonZero::<usize>::MIN);
@@ -29,7 +29,7 @@ impl<'a> Estimate<'a> {
     /// The light that the photons bring to each point.
     pub fn gather(&self, points: &[GatherPoint]) -> Vec<Gathered> {
         match self {
-            Estimate::Differentials(map, settings) => gather(map, settings.kernel, points),
+            Estimate::Footprints(map, settings) => gather(map, settings.kernel, points),
             Estimate::Nearest(photons, k, settings) => {
                 points.iter().map(|point| photons.gather(*k, settings.kernel, point)).collect()
             }

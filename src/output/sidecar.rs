@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::atomic;
 use super::error::WriteError;
 use crate::film::{Cause, Refused};
-use crate::scene::settings::{Bandwidth, RenderSettings};
+use crate::scene::settings::{Bandwidth, Radius, RenderSettings};
 
 /// Number of the certificate's layout; it grows when a reader of the old one would be misled.
 pub const SCHEMA: u32 = 1;
@@ -115,6 +115,10 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, ser
         Bandwidth::Auto => "auto".into(),
         Bandwidth::Scale(s) => s.into(),
     };
+    let radius = match settings.radius {
+        Radius::Auto => "auto".into(),
+        Radius::Metres(radius) => radius.into(),
+    };
     let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
     BTreeMap::from([
         ("method", settings.method.name().into()),
@@ -129,6 +133,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, ser
         ("kernel", settings.kernel.name().into()),
         ("bandwidth", bandwidth),
         ("k", settings.k.into()),
+        ("radius", radius),
         ("max_depth", settings.max_depth.into()),
         ("max_bounces", settings.max_bounces.into()),
         ("layers", layers.into()),

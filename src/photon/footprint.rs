@@ -50,6 +50,26 @@ impl TangentForm {
     }
 }
 
+/// How wide a photon's light is spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spread {
+    /// By its own columns, widened by `scale`.
+    Columns { rule: FootprintRule, scale: f64 },
+    /// Over a disc of this radius, the same for all photons.
+    Disc { radius: f64 },
+}
+
+impl Spread {
+    /// The footprint of a photon whose columns [`crate::differential::transfer()`] has put on the surface with tangent
+    /// frame `frame`.
+    pub fn footprint(&self, columns: &Differential<4>, frame: &Frame) -> TangentForm {
+        match *self {
+            Spread::Columns { rule, scale } => footprint(columns, rule, scale, frame),
+            Spread::Disc { radius } => TangentForm { xx: radius * radius, xy: 0.0, yy: radius * radius },
+        }
+    }
+}
+
 /// The footprint of columns that [`crate::differential::transfer()`] has put on the surface with tangent frame `frame`,
 /// widened by `scale`.
 ///

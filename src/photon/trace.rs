@@ -4,7 +4,7 @@
 //! event, and goes on only through delta lobes. Where an interface both reflects and refracts, both branches are
 //! followed while they are strong, so that a lattice of photons stays a lattice behind the glass.
 
-use super::footprint::footprint;
+use super::footprint::Spread;
 use super::path::{PathLimits, PhotonCounts, survive};
 use super::record::Photon;
 use crate::differential::health::MAX_SPREAD;
@@ -13,7 +13,6 @@ use crate::light::Emission;
 use crate::math::{Dir3, Point3, Ray};
 use crate::radiometry::Flux;
 use crate::sampling::Stream;
-use crate::scene::settings::FootprintRule;
 use crate::surface::{Bsdf, DeltaBranch, Interaction};
 use crate::world::World;
 
@@ -21,9 +20,7 @@ use crate::world::World;
 pub struct PhotonTracer<'a> {
     world: &'a World,
     limits: PathLimits,
-    rule: FootprintRule,
-    /// Factor on the footprint's semi-axes.
-    scale: f64,
+    spread: Spread,
     pending: Vec<Branch>,
     pub photons: Vec<Photon>,
     pub counts: PhotonCounts,
@@ -42,9 +39,9 @@ struct Branch {
 }
 
 impl<'a> PhotonTracer<'a> {
-    pub fn new(world: &'a World, limits: PathLimits, rule: FootprintRule, scale: f64) -> Self {
+    pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
         let (pending, photons, counts) = (Vec::new(), Vec::new(), PhotonCounts::default());
-        PhotonTracer { world, limits, rule, scale, pending, photons, counts }
+        PhotonTracer { world, limits, spread, pending, photons, counts }
     }
 
     /// Follows one emitted photon to the end of all its branches.
@@ -85,7 +82,7 @@ impl<'a> PhotonTracer<'a> {
             self.counts.broken_flux += 1;
             return;
         }
-        let form = footprint(columns, self.rule, self.scale, &Photon::frame_of(si.ng));
+        let form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
         self.photons.push(Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object));
         self.counts.photons_stored += 1;
     }

@@ -10,6 +10,7 @@ use crate::math::Vec2;
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::RenderSettings;
+use crate::scene::settings::Estimator;
 use crate::world::World;
 
 /// Pixels along the side of a unit of work.
@@ -18,6 +19,14 @@ const TILE_SIZE: u32 = 16;
 /// Semi-axis of an eye sample's footprint in sample spacings, PHOTON_DIFFERENTIALS 3.4: enough to hide folds between
 /// samples, half of what would blur them.
 const EYE_RADIUS: f64 = 0.75;
+
+/// Semi-axis of an eye sample's footprint, in pixels. The standard estimates look at points.
+fn eye_radius(settings: &RenderSettings) -> f64 {
+    match settings.estimator {
+        Estimator::Differentials => EYE_RADIUS / f64::from(settings.spp).sqrt(),
+        Estimator::NearestNeighbours | Estimator::Progressive => 0.0,
+    }
+}
 
 /// Adds one pass of eye paths to the film; `estimate` answers the queries that `finds` leaves to the photon map.
 pub fn expose(
@@ -39,7 +48,7 @@ pub fn expose(
             finds,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
-            sample_radius: EYE_RADIUS / f64::from(settings.spp).sqrt(),
+            sample_radius: eye_radius(settings),
         },
         estimate,
     };

@@ -2,6 +2,10 @@
 //!
 //! Finds L … D E. What lies behind a specular chain from the eye (D S⁺ E) cannot be connected and is missing; emitters
 //! seen by the eye, E S* L, are added by eye paths.
+//!
+//! Half of the paths set out towards the objects that make caustics and go on only where their first event is a delta
+//! one; the other half sets out everywhere and stops there. The two halves share the light out between them, and most
+//! paths of a small lens' caustic are not lost beside the lens.
 
 use super::exposure::expose;
 use super::eye_path::EyeFinds;
@@ -15,6 +19,7 @@ use crate::photon::{EmissionUnit, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
+use crate::scene::RenderSettings;
 use crate::scene::settings::Layer;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Event, Interaction, TransportMode};
@@ -23,17 +28,49 @@ use crate::world::World;
 /// Light paths in a unit of work.
 const PATHS_PER_UNIT: u64 = 16384;
 
+/// What the first event of a path must be for the path to go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FirstEvent {
+    Delta,
+    Scatter,
+}
+
 /// One pass of the light tracer: `settings.photons` light paths over all lights.
 pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, progress: &dyn Progress) {
     expose(world, camera, pass, EyeFinds::Emitters, None, film, progress);
-    let settings = &world.scene.settings;
-    let units =
-        EmissionUnit::all(&world.lights, settings, &Aim::Everywhere, pass, PATHS_PER_UNIT, |_, n| Share::same(n));
+    let all = world.scene.settings.photons;
+    match &world.aim {
+        // Nothing has a delta lobe.
+        None => shoot(world, camera, pass, (&Aim::Everywhere, FirstEvent::Scatter), all, film, progress),
+        Some(aim) => {
+            let caustics = all.div_ceil(2);
+            shoot(world, camera, pass, (aim, FirstEvent::Delta), caustics, film, progress);
+            shoot(world, camera, pass, (&Aim::Everywhere, FirstEvent::Scatter), all - caustics, film, progress);
+        }
+    }
+}
+
+/// Splats `paths` light paths of one kind.
+fn shoot(
+    world: &World,
+    camera: &Camera,
+    pass: u32,
+    (aim, first_event): (&Aim, FirstEvent),
+    paths: u64,
+    film: &mut Film,
+    progress: &dyn Progress,
+) {
+    let settings = RenderSettings { photons: paths, ..world.scene.settings.clone() };
+    let units = EmissionUnit::all(&world.lights, &settings, aim, pass, PATHS_PER_UNIT, |light, n| {
+        let source = world.lights.get(light);
+        if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
+    });
     progress.phase("light paths", units.len() as u64);
     let (width, height, filter) = (film.width(), film.height(), world.scene.camera.filter);
     let trace = |i: usize| {
-        let mut tracer = LightTracer { world, camera, splats: SplatBuffer::new(width, height, pass, filter) };
-        units[i].emit(&world.lights, &Aim::Everywhere, |emission, stream| tracer.trace(emission, stream));
+        let splats = SplatBuffer::new(width, height, pass, filter);
+        let mut tracer = LightTracer { world, camera, first_event, splats };
+        units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
         tracer.splats
     };
     run_in_order(units.len(), progress, trace, |splats| film.add_splats(&splats));
@@ -43,6 +80,7 @@ pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, p
 struct LightTracer<'a> {
     world: &'a World,
     camera: &'a Camera,
+    first_event: FirstEvent,
     splats: SplatBuffer,
 }
 
@@ -71,13 +109,18 @@ impl LightTracer<'_> {
         for edge in 1..settings.max_depth {
             let Some(si) = self.world.intersect(&walk.ray) else { return };
             let bsdf = self.world.bsdf_unfiltered(&si);
-            if bsdf.has_scatter() {
+            // Light at the first vertex itself, L D E, belongs to the paths that may come from everywhere.
+            if bsdf.has_scatter() && (edge > 1 || self.first_event == FirstEvent::Scatter) {
                 if walk.scatter_events > settings.max_bounces {
                     return;
                 }
                 self.connect(&walk, &si, &bsdf, stream);
             }
             if !advance(&mut walk, &si, &bsdf, edge, stream) {
+                return;
+            }
+            let is_delta = walk.leading_delta_events.is_some();
+            if edge == 1 && is_delta != (self.first_event == FirstEvent::Delta) {
                 return;
             }
         }

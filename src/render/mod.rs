@@ -50,29 +50,48 @@ pub struct BadCamera;
 
 /// Renders all passes of the world's scene with its own settings.
 pub fn render(world: &World, progress: &dyn Progress) -> Result<Rendered, BadCamera> {
+    render_while(world, progress, |passes| passes < world.scene.settings.passes)
+}
+
+/// Renders passes 0, 1, … as long as `more`, told how many are done, asks for one; the first one always.
+pub fn render_while(world: &World, progress: &dyn Progress, more: impl Fn(u32) -> bool) -> Result<Rendered, BadCamera> {
     let start = Instant::now();
     let settings = &world.scene.settings;
     let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
     let [width, height] = world.scene.camera.resolution;
     let mut film = Film::new(width, height, &settings.layers);
-    let mut report = RenderReport { passes: settings.passes, ..RenderReport::default() };
-    for pass in 0..settings.passes {
-        match settings.method {
-            Method::PhotonMap => {
-                let map = photon_map::render_pass(world, &camera, pass, &mut film, progress);
-                report.add_photons(&map.counts, &map.by_light);
-            }
-            Method::Path => {
-                exposure::expose(world, &camera, pass, EyeFinds::Everything, None, &mut film, progress);
-            }
-            Method::LightTrace => light_trace::render_pass(world, &camera, pass, &mut film, progress),
-        }
+    let mut report = RenderReport::default();
+    loop {
+        render_pass(world, &camera, report.passes, &mut film, &mut report, progress);
         film.end_pass();
+        report.passes += 1;
+        if !more(report.passes) {
+            break;
+        }
     }
     report.invalid_rays = world.backend.invalid_rays();
     report.inexact_hits = world.inexact_hits();
     report.seconds = Duration::as_secs_f64(&start.elapsed());
     Ok(Rendered { film, report })
+}
+
+/// Adds pass `pass` to the film: a pure function of the scene, its settings and the pass's number.
+pub fn render_pass(
+    world: &World,
+    camera: &Camera,
+    pass: u32,
+    film: &mut Film,
+    report: &mut RenderReport,
+    progress: &dyn Progress,
+) {
+    match world.scene.settings.method {
+        Method::PhotonMap => {
+            let map = photon_map::render_pass(world, camera, pass, film, progress);
+            report.add_photons(&map.counts, &map.by_light);
+        }
+        Method::Path => exposure::expose(world, camera, pass, EyeFinds::Everything, None, film, progress),
+        Method::LightTrace => light_trace::render_pass(world, camera, pass, film, progress),
+    }
 }
 
 impl RenderReport {

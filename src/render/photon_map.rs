@@ -8,9 +8,10 @@ use crate::camera::Camera;
 use crate::estimate::{Estimate, bandwidth};
 use crate::film::Film;
 use crate::light::Aim;
+use crate::photon::footprint::Spread;
 use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonMap, PhotonTracer, Share};
 use crate::scene::LightId;
-use crate::scene::settings::FootprintRule;
+use crate::scene::settings::{Estimator, FootprintRule};
 use crate::world::World;
 
 /// Photons in a unit of work.
@@ -31,12 +32,12 @@ pub fn shoot(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
     let units = EmissionUnit::all(&world.lights, settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
         share_of(world, light, aim, n)
     });
-    let scale = bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel);
+    let spread = spread(world, pass);
     let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
     let mut traced = Vec::with_capacity(units.len());
     progress.phase("photons", units.len() as u64);
     let trace = |i: usize| {
-        let mut tracer = PhotonTracer::new(world, limits, settings.footprint, scale);
+        let mut tracer = PhotonTracer::new(world, limits, spread);
         units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
         tracer.counts.photons_emitted = units[i].len();
         (units[i].light, tracer.photons, tracer.counts)
@@ -44,6 +45,20 @@ pub fn shoot(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
     run_in_order(units.len(), progress, trace, |unit: (LightId, Vec<Photon>, PhotonCounts)| traced.push(unit));
     progress.finish();
     PhotonMap::from_units(world.lights.len(), traced)
+}
+
+/// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.
+fn spread(world: &World, pass: u32) -> Spread {
+    let settings = &world.scene.settings;
+    match settings.estimator {
+        Estimator::Progressive => {
+            Spread::Disc { radius: bandwidth::progressive_radius(settings.radius, &world.scene.bounds, pass) }
+        }
+        Estimator::Differentials | Estimator::NearestNeighbours => Spread::Columns {
+            rule: settings.footprint,
+            scale: bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel),
+        },
+    }
 }
 
 /// The cells of a light's photons. The parallelogram belongs to the slides' method, and so do the slides' cells.
@@ -57,6 +72,6 @@ fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
         return Share::leading(n, source.is_collimated());
     }
     let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
-    let mut pilot = PhotonTracer::new(world, limits, settings.footprint, 1.0);
+    let mut pilot = PhotonTracer::new(world, limits, Spread::Columns { rule: settings.footprint, scale: 1.0 });
     Share::balanced(source, light, aim, n, &mut pilot)
 }

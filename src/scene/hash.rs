@@ -7,7 +7,7 @@ use super::description::{
     ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{Bandwidth, RenderSettings};
+use super::settings::{Bandwidth, Radius, RenderSettings};
 use super::texture::{ImageTexture, Wrap};
 
 /// Changes when the serialisation below does.
@@ -103,6 +103,7 @@ impl Canonical {
             kernel,
             bandwidth,
             k,
+            radius,
             max_depth,
             max_bounces,
             layers: _,
@@ -122,6 +123,11 @@ impl Canonical {
                 self.tag("scale");
                 self.numbers(&[*s]);
             }
+        }
+        // Only where it is set, so that other scenes keep the digest they had before there was a radius.
+        if let Radius::Metres(radius) = radius {
+            self.tag("radius");
+            self.numbers(&[*radius]);
         }
     }
 

@@ -48,6 +48,8 @@ named_choice!(
         Differentials = "pd",
         /// k nearest photons in a disc.
         NearestNeighbours = "knn",
+        /// Stochastic progressive photon mapping: a disc of the same radius everywhere, smaller in each pass.
+        Progressive = "sppm",
     }
 );
 
@@ -108,6 +110,14 @@ pub enum Bandwidth {
     Scale(f64),
 }
 
+/// The disc of the first pass of `sppm`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Radius {
+    /// A small part of the scene's size.
+    Auto,
+    Metres(f64),
+}
+
 /// Everything but the scene's content that a picture depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSettings {
@@ -126,6 +136,8 @@ pub struct RenderSettings {
     pub bandwidth: Bandwidth,
     /// Neighbours of the `knn` estimate.
     pub k: u32,
+    /// The disc of the first pass of the `sppm` estimate.
+    pub radius: Radius,
     /// Edges of a path at most, counted from the light or the camera.
     pub max_depth: u32,
     /// Diffuse and glossy bounces that the eye path may take, 0: direct light and caustics only.
@@ -151,6 +163,7 @@ impl Default for RenderSettings {
             kernel: KernelShape::Triweight,
             bandwidth: Bandwidth::Auto,
             k: 70,
+            radius: Radius::Auto,
             max_depth: 32,
             max_bounces: 4,
             layers: Vec::new(),

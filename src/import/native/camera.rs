@@ -11,7 +11,7 @@ use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraModelDescription};
 use crate::scene::settings::{
     BackendKind, Bandwidth, EmissionPattern, Estimator, FootprintRule, KernelShape, Layer, MAX_PHOTONS_PER_PASS,
-    Method, RenderSettings,
+    Method, Radius, RenderSettings,
 };
 
 /// Pixels along one side at most.
@@ -88,19 +88,19 @@ fn read_model(section: &Section<'_>, name: ModelName, known: bool) -> CameraMode
     }
 }
 
-/// "auto" or a scale.
+/// "auto", which is `None`, or a number.
 #[derive(Clone, Copy)]
-struct BandwidthKind;
+struct AutoOr(Number);
 
-impl Convert for BandwidthKind {
-    type Output = Bandwidth;
+impl Convert for AutoOr {
+    type Output = Option<f64>;
     fn expects(&self) -> String {
-        "\"auto\" or a finite number > 0".to_owned()
+        format!("\"auto\" or {}", self.0.expects())
     }
-    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Bandwidth, Mismatch> {
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Option<f64>, Mismatch> {
         match value.get_ref() {
-            DeValue::String(s) if s == "auto" => Ok(Bandwidth::Auto),
-            _ => POSITIVE.convert(value).map(Bandwidth::Scale),
+            DeValue::String(s) if s == "auto" => Ok(None),
+            _ => self.0.convert(value).map(Some),
         }
     }
 }
@@ -174,9 +174,10 @@ pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
             default.footprint,
         ),
         kernel: section.or("kernel", KERNELS, default.kernel),
-        bandwidth: section.or("bandwidth", BandwidthKind, default.bandwidth),
+        bandwidth: section.or("bandwidth", AutoOr(POSITIVE), None).map_or(Bandwidth::Auto, Bandwidth::Scale),
         // The k-th neighbour only sets the radius, so at least one more is needed.
         k: section.or("k", count(2), default.k.into()) as u32,
+        radius: section.or("radius", AutoOr(POSITIVE), None).map_or(Radius::Auto, Radius::Metres),
         max_depth: section.or("max_depth", depth(1), default.max_depth.into()) as u32,
         max_bounces: section.or("max_bounces", depth(0), default.max_bounces.into()) as u32,
         layers: section.or("layers", Layers, default.layers),
