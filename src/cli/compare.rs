@@ -25,13 +25,13 @@ pub struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Bound that must hold: mae, rmse, rel_mse, rel_mse_trimmed, max_error, bias (its size) and flip at most, ssim at least
+    /// Bound that must hold: mae, rmse, rmse_shown, rel_mse, rel_mse_trimmed, max_error, bias (its size), flip and flip_hdr at most, ssim at least
     #[arg(long, value_name = "METRIC=BOUND")]
     fail: Vec<Bound>,
     /// Compare this layer, for example `caustic` [default: the beauty, R G B]
     #[arg(long, default_value = "", hide_default_value = true)]
     layer: String,
-    /// Multiply both pictures by 2^STOPS for SSIM and FLIP
+    /// Multiply both pictures by 2^STOPS for rmse_shown, SSIM and FLIP
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
     exposure: f64,
     /// Values that SSIM sees, clamped to [0, 1]: sRGB-encoded or linear
@@ -43,23 +43,27 @@ pub struct Args {
 enum Metric {
     Mae,
     Rmse,
+    RmseShown,
     RelMse,
     RelMseTrimmed,
     MaxError,
     Bias,
     Ssim,
     Flip,
+    FlipHdr,
 }
 
-const METRICS: [(&str, Metric); 8] = [
+const METRICS: [(&str, Metric); 10] = [
     ("mae", Metric::Mae),
     ("rmse", Metric::Rmse),
+    ("rmse_shown", Metric::RmseShown),
     ("rel_mse", Metric::RelMse),
     ("rel_mse_trimmed", Metric::RelMseTrimmed),
     ("max_error", Metric::MaxError),
     ("bias", Metric::Bias),
     ("ssim", Metric::Ssim),
     ("flip", Metric::Flip),
+    ("flip_hdr", Metric::FlipHdr),
 ];
 
 #[derive(Clone, Copy, Debug)]
@@ -84,12 +88,14 @@ impl Bound {
         match self.metric {
             Metric::Mae => found.mae <= self.bound,
             Metric::Rmse => found.rmse <= self.bound,
+            Metric::RmseShown => found.rmse_shown <= self.bound,
             Metric::RelMse => found.rel_mse <= self.bound,
             Metric::RelMseTrimmed => found.rel_mse_trimmed <= self.bound,
             Metric::MaxError => found.max_error <= self.bound,
             Metric::Bias => found.bias.abs() <= self.bound,
             Metric::Ssim => found.ssim.is_some_and(|ssim| ssim >= self.bound),
             Metric::Flip => found.flip.is_some_and(|flip| flip <= self.bound),
+            Metric::FlipHdr => found.flip_hdr.is_some_and(|flip| flip <= self.bound),
         }
     }
 }
@@ -100,6 +106,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Failure> {
         layer: args.layer.clone(),
         exposure: args.exposure,
         ssim_domain: if args.ssim_on == "linear" { SsimDomain::Linear } else { SsimDomain::Srgb },
+        no_flip: false,
     };
     let found = compare(&picture, &reference, &options).map_err(|error| {
         let names = format!("{} and {}", args.picture.display(), args.reference.display());
@@ -126,17 +133,20 @@ fn table(found: &Comparison) -> String {
     let [x, y] = found.max_error_at;
     let [r, g, b] = found.bias_rgb;
     let ssim = found.ssim.map_or_else(|| "none: smaller than its window of 11 x 11".to_owned(), |v| format!("{v:.6}"));
-    let flip = found.flip.map_or_else(|| "none: this binary was built without it".to_owned(), |v| format!("{v:.6}"));
+    let [flip, flip_hdr] = [found.flip, found.flip_hdr]
+        .map(|v| v.map_or_else(|| "none: this binary was built without it".to_owned(), |v| format!("{v:.6}")));
     let lines = [
         ("size", format!("{} x {}", found.width, found.height)),
         ("mae", format!("{:.6e}", found.mae)),
         ("rmse", format!("{:.6e}", found.rmse)),
+        ("rmse_shown", format!("{:.6e}", found.rmse_shown)),
         ("rel_mse", format!("{:.6e}", found.rel_mse)),
         ("rel_mse_trimmed", format!("{:.6e}", found.rel_mse_trimmed)),
         ("max_error", format!("{:.6e} in pixel ({x}, {y})", found.max_error)),
         ("bias", format!("{:.6e} (R {r:.3e}, G {g:.3e}, B {b:.3e})", found.bias)),
         ("ssim", ssim),
         ("flip", flip),
+        ("flip_hdr", flip_hdr),
     ];
     lines.map(|(name, value)| format!("{name:<16}{value}\n")).concat()
 }

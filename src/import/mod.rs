@@ -38,7 +38,7 @@ pub struct Loaded {
 /// # Errors
 /// Everything that is wrong with the scene, each with its file, line and column where there is one.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
-    let text = read_text(path, MAX_SCENE_BYTES)?;
+    let text = read_scene_text(path)?;
     load_text(path, &text, overrides)
 }
 
@@ -60,6 +60,11 @@ pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Load
         Some(loaded) if problems.is_empty() => Ok(loaded),
         _ => Err(problems.sorted()),
     }
+}
+
+/// The content of a scene or study file.
+pub(crate) fn read_scene_text(path: &Path) -> Result<String, Problem> {
+    read_text(path, MAX_SCENE_BYTES)
 }
 
 /// The content of a text file of at most `limit` bytes.

@@ -3,11 +3,10 @@
 //! All are means over pixels and the three colour channels of linear values, unless a line says otherwise. A picture
 //! with NaN or infinite pixels, or of another size, has no metric: such pictures are refused, never skipped over.
 
+use super::flip::{flip_hdr, flip_ldr};
 use super::ssim::ssim;
 use crate::film::Image;
 use crate::output::png::srgb_encode;
-#[cfg(feature = "flip")]
-use crate::output::png::srgb8;
 
 /// Which numbers SSIM sees; both are clamped to [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,6 +25,8 @@ pub struct Options {
     /// Both pictures are multiplied by 2^`exposure` for SSIM and FLIP, which look at the displayable range only.
     pub exposure: f64,
     pub ssim_domain: SsimDomain,
+    /// Leave FLIP out, which takes longer than all the rest together.
+    pub no_flip: bool,
 }
 
 /// What a comparison found. `test` is the picture that is judged.
@@ -37,6 +38,8 @@ pub struct Comparison {
     pub mae: f64,
     /// √ of the mean (test − reference)².
     pub rmse: f64,
+    /// The same of the values that a display shows: times 2^exposure, clamped to [0, 1], linear.
+    pub rmse_shown: f64,
     /// Mean of (test − reference)² / (reference² + 0.01).
     pub rel_mse: f64,
     /// The same without the worst 0.1 % of the pixels, so that a few fireflies cannot speak for the picture.
@@ -53,6 +56,9 @@ pub struct Comparison {
     pub ssim: Option<f64>,
     /// Mean LDR FLIP `[Andersson20]` of the 8-bit sRGB pictures at 67 pixels per degree; none without the feature `flip`.
     pub flip: Option<f64>,
+    /// Mean HDR FLIP `[Andersson21]`: the largest LDR FLIP over the exposures that the reference asks for; needs no
+    /// exposure of ours.
+    pub flip_hdr: Option<f64>,
 }
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -67,7 +73,7 @@ pub enum MetricError {
          difference is defined for them"
     )]
     NotFinite { which: Which, counts: [u64; 3], first: [u32; 2] },
-    #[error("the pictures have no pixels")]
+    #[error("there are no pixels to compare")]
     Empty,
 }
 
@@ -91,38 +97,55 @@ fn channels(layer: &str) -> String {
     if layer.is_empty() { "R G B".to_owned() } else { format!("{layer}.R {layer}.G {layer}.B") }
 }
 
-type Rgb<'a> = [&'a [f32]; 3];
+pub(super) type Rgb<'a> = [&'a [f32]; 3];
 
 /// Compares `test` with `reference`.
 pub fn compare(test: &Image, reference: &Image, options: &Options) -> Result<Comparison, MetricError> {
+    compare_masked(test, reference, None, options)
+}
+
+/// Compares the pixels that `mask` holds, row by row; the others count for nothing. SSIM and FLIP look at the
+/// surroundings of a pixel, too: there the others are taken to be the same in both pictures.
+pub fn compare_masked(
+    test: &Image,
+    reference: &Image,
+    mask: Option<&[bool]>,
+    options: &Options,
+) -> Result<Comparison, MetricError> {
     let size = |image: &Image| [image.width, image.height];
     if size(test) != size(reference) {
         return Err(MetricError::SizesDiffer { test: size(test), reference: size(reference) });
     }
-    if test.pixels() == 0 {
+    let held: Vec<usize> = (0..test.pixels()).filter(|&i| mask.is_none_or(|mask| mask[i])).collect();
+    if held.is_empty() {
         return Err(MetricError::Empty);
     }
     let rgb = |image, which| finite_rgb(image, which, &options.layer);
     let (a, b) = (rgb(test, Which::Test)?, rgb(reference, Which::Reference)?);
-    let pixels = test.pixels();
+    let pixels = held.len();
     let samples = 3.0 * pixels as f64;
+    let shown = |v: f64| (v * options.exposure.exp2()).clamp(0.0, 1.0);
 
-    let (mut absolute, mut square) = (0.0, 0.0);
-    let (mut bias_rgb, mut max_error, mut max_at) = ([0.0; 3], 0.0, 0);
+    let (mut absolute, mut square, mut square_shown) = (0.0, 0.0, 0.0);
+    let (mut bias_rgb, mut max_error, mut max_at) = ([0.0; 3], 0.0, held[0]);
     let mut relative = vec![0.0; pixels];
     for c in 0..3 {
-        for (i, (&t, &r)) in a[c].iter().zip(b[c]).enumerate() {
-            let (t, r) = (f64::from(t), f64::from(r));
+        for (place, &i) in held.iter().enumerate() {
+            let (t, r) = (f64::from(a[c][i]), f64::from(b[c][i]));
             let error = t - r;
             absolute += error.abs();
             square += error * error;
+            square_shown += (shown(t) - shown(r)).powi(2);
             bias_rgb[c] += error;
-            relative[i] += error * error / (r * r + 0.01) / 3.0;
+            relative[place] += error * error / (r * r + 0.01) / 3.0;
             if error.abs() > max_error || error.abs() == max_error && i < max_at {
                 (max_error, max_at) = (error.abs(), i);
             }
         }
     }
+    // What is not compared shall make no difference to its neighbours.
+    let patched = mask.map(|mask| patched(a, b, mask));
+    let a = patched.as_ref().map_or(a, |channels| channels.each_ref().map(Vec::as_slice));
     let rel_mse = relative.iter().sum::<f64>() / pixels as f64;
     let width = test.width as usize;
     Ok(Comparison {
@@ -130,14 +153,16 @@ pub fn compare(test: &Image, reference: &Image, options: &Options) -> Result<Com
         height: test.height,
         mae: absolute / samples,
         rmse: (square / samples).sqrt(),
+        rmse_shown: (square_shown / samples).sqrt(),
         rel_mse,
         rel_mse_trimmed: trimmed_mean(relative),
         max_error,
         max_error_at: [(max_at % width) as u32, (max_at / width) as u32],
         bias: bias_rgb.iter().sum::<f64>() / samples,
         bias_rgb: bias_rgb.map(|sum| sum / pixels as f64),
-        ssim: mean_ssim(a, b, width, options),
-        flip: flip(a, b, size(test), options.exposure),
+        ssim: mean_ssim(a, b, width, mask, options),
+        flip: if options.no_flip { None } else { flip_ldr(a, b, size(test), mask, options.exposure) },
+        flip_hdr: if options.no_flip { None } else { flip_hdr(a, b, size(test), mask) },
     })
 }
 
@@ -161,7 +186,13 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
     values[..kept].iter().sum::<f64>() / kept as f64
 }
 
-fn mean_ssim(a: Rgb, b: Rgb, width: usize, options: &Options) -> Option<f64> {
+/// `a` with the pixels of `b` where `mask` does not hold.
+fn patched(a: Rgb, b: Rgb, mask: &[bool]) -> [Vec<f32>; 3] {
+    let channel = |c: usize| (0..mask.len()).map(|i| if mask[i] { a[c][i] } else { b[c][i] }).collect();
+    [channel(0), channel(1), channel(2)]
+}
+
+fn mean_ssim(a: Rgb, b: Rgb, width: usize, mask: Option<&[bool]>, options: &Options) -> Option<f64> {
     let gain = options.exposure.exp2();
     let view = |channel: &[f32]| -> Vec<f64> {
         let clamped = channel.iter().map(|&v| (f64::from(v) * gain).clamp(0.0, 1.0));
@@ -170,23 +201,6 @@ fn mean_ssim(a: Rgb, b: Rgb, width: usize, options: &Options) -> Option<f64> {
             SsimDomain::Linear => clamped.collect(),
         }
     };
-    let one = |c: usize| ssim(&view(a[c]), &view(b[c]), width);
+    let one = |c: usize| ssim(&view(a[c]), &view(b[c]), width, mask);
     Some((one(0)? + one(1)? + one(2)?) / 3.0)
-}
-
-#[cfg(not(feature = "flip"))]
-fn flip(_a: Rgb, _b: Rgb, _size: [u32; 2], _exposure: f64) -> Option<f64> {
-    None
-}
-
-#[cfg(feature = "flip")]
-fn flip(a: Rgb, b: Rgb, [width, height]: [u32; 2], exposure: f64) -> Option<f64> {
-    let gain = exposure.exp2();
-    let encode = |rgb: Rgb| {
-        let bytes: Vec<u8> =
-            (0..rgb[0].len()).flat_map(|i| rgb.map(|channel| srgb8(f64::from(channel[i]) * gain))).collect();
-        nv_flip::FlipImageRgb8::with_data(width, height, &bytes)
-    };
-    let map = nv_flip::flip(encode(b), encode(a), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec();
-    Some(map.iter().map(|&v| f64::from(v)).sum::<f64>() / map.len() as f64)
 }

@@ -105,6 +105,7 @@ pub struct Cell {
     pub seed: u64,
     /// Wall-clock time of the render without reading the scene and writing the picture.
     pub seconds: f64,
+    pub passes: u32,
     pub metrics: Metrics,
 }
 

@@ -26,8 +26,9 @@ fn filter(values: &[f64], width: usize, weights: &[f64; WINDOW]) -> Vec<f64> {
     (0..height * inner).map(column).collect()
 }
 
-/// Mean SSIM of two channels of `width` pixels a row, values in [0, 1]; `None` if a side is shorter than [`WINDOW`].
-pub fn ssim(a: &[f64], b: &[f64], width: usize) -> Option<f64> {
+/// Mean SSIM of two channels of `width` pixels a row, values in [0, 1], over the windows whose centre `mask` holds (all
+/// without a mask); `None` if there are none, as where a side is shorter than [`WINDOW`].
+pub fn ssim(a: &[f64], b: &[f64], width: usize, mask: Option<&[bool]>) -> Option<f64> {
     if width < WINDOW || a.len() / width < WINDOW {
         return None;
     }
@@ -42,5 +43,8 @@ pub fn ssim(a: &[f64], b: &[f64], width: usize) -> Option<f64> {
         // [Wang04 (13)]
         (2.0 * ma * mb + C1) * (2.0 * cov + C2) / ((ma * ma + mb * mb + C1) * (var_a + var_b + C2))
     };
-    Some((0..mean_a.len()).map(at).sum::<f64>() / mean_a.len() as f64)
+    let inner = width - 2 * RADIUS;
+    let centre = |i: usize| (i / inner + RADIUS) * width + i % inner + RADIUS;
+    let held: Vec<usize> = (0..mean_a.len()).filter(|&i| mask.is_none_or(|mask| mask[centre(i)])).collect();
+    (!held.is_empty()).then(|| held.iter().map(|&i| at(i)).sum::<f64>() / held.len() as f64)
 }

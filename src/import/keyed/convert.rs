@@ -218,6 +218,23 @@ impl Convert for ScaleFactors {
     }
 }
 
+/// An array of any length but 0.
+#[derive(Clone, Copy)]
+pub(crate) struct List<K>(pub K);
+
+impl<K: Convert> Convert for List<K> {
+    type Output = Vec<K::Output>;
+    fn expects(&self) -> String {
+        format!("an array, each element {}", self.0.expects())
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<K::Output>, Mismatch> {
+        match value.get_ref() {
+            DeValue::Array(items) if !items.is_empty() => items.iter().map(|item| self.0.convert(item)).collect(),
+            _ => Err(Mismatch::of(value)),
+        }
+    }
+}
+
 /// Any text.
 #[derive(Clone, Copy)]
 pub(crate) struct Text;

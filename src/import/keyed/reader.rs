@@ -143,7 +143,7 @@ impl<'t> Section<'t> {
         self.get(key).and_then(|value| Section::of_value(self.reader, label, value))
     }
     /// Reports every key that nobody asked for.
-    pub fn finish(self) {
+    pub fn finish(&self) {
         let asked = self.asked.borrow();
         for (key, _) in self.entries() {
             let name = key.get_ref().as_ref();

@@ -1,5 +1,6 @@
 //! `key=value` from the command line, laid over the parsed scene file before anything is read from it.
 
+use std::fmt;
 use std::str::FromStr;
 
 use toml::Spanned;
@@ -21,6 +22,19 @@ pub struct Override {
 impl Override {
     pub fn new(key: impl Into<String>, value: impl Into<String>) -> Override {
         Override { key: key.into(), value: value.into() }
+    }
+    pub fn key(&self) -> &str {
+        &self.key
+    }
+    pub fn value(&self) -> &str {
+        &self.value
+    }
+}
+
+/// As [`FromStr`] reads it.
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, self.value)
     }
 }
 
