@@ -28,5 +28,6 @@ pub mod film;
 pub mod output;
 pub mod render;
 pub mod study;
+pub mod report;
 
 pub mod doc;

@@ -18,6 +18,7 @@ mod problems;
 mod progress;
 mod render;
 mod scene;
+mod study;
 mod work;
 
 use std::process::ExitCode;
@@ -46,6 +47,7 @@ enum Command {
     Crosscheck(crosscheck::Args),
     Check(check::Args),
     Compare(compare::Args),
+    Study(study::Args),
     Info(info::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -60,6 +62,7 @@ pub fn run() -> ExitCode {
         Command::Photons(args) => photons::run(&args, verbosity),
         Command::Check(args) => check::run(&args, verbosity),
         Command::Compare(args) => compare::run(&args),
+        Command::Study(args) => study::run(&args, verbosity),
         Command::Info(args) => info::run(&args, verbosity),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

@@ -26,13 +26,22 @@ pub enum Mode {
     None,
 }
 
+/// What the work is measured by.
+#[derive(Clone, Copy)]
+enum Whole {
+    /// Phases that take about equally long.
+    Phases(u64),
+    /// Steps of all phases together.
+    Steps(u64),
+}
+
 /// Steps of the bar.
 const BAR_STEPS: u64 = 1000;
 
-/// Listens to a render. Phases follow one another; `phases` of them make the whole.
+/// Listens to a render, or to a study. Phases follow one another.
 pub struct Reporter {
     mode: Mode,
-    phases: u64,
+    whole: Whole,
     started: Instant,
     bar: ProgressBar,
     state: Mutex<State>,
@@ -46,11 +55,22 @@ struct State {
     /// Phases that are over, those of the same name added up, in the order of their first appearance.
     finished: Vec<Phase>,
     finished_count: u64,
+    finished_steps: u64,
     last_line: Instant,
 }
 
 impl Reporter {
+    /// For work of `phases` phases.
     pub fn new(mode: Mode, verbosity: Verbosity, phases: u64) -> Reporter {
+        Reporter::of(mode, verbosity, Whole::Phases(phases.max(1)))
+    }
+
+    /// For work of `steps` steps in all phases together.
+    pub fn of_steps(mode: Mode, verbosity: Verbosity, steps: u64) -> Reporter {
+        Reporter::of(mode, verbosity, Whole::Steps(steps.max(1)))
+    }
+
+    fn of(mode: Mode, verbosity: Verbosity, whole: Whole) -> Reporter {
         let mode = match mode {
             _ if verbosity.quiet && mode != Mode::Json => Mode::None,
             Mode::Auto if stderr_is_terminal() => Mode::Bar,
@@ -70,9 +90,10 @@ impl Reporter {
             total: 0,
             finished: Vec::new(),
             finished_count: 0,
+            finished_steps: 0,
             last_line: now,
         };
-        Reporter { mode, phases: phases.max(1), started: now, bar, state: Mutex::new(state) }
+        Reporter { mode, whole, started: now, bar, state: Mutex::new(state) }
     }
 
     /// What the phases so far took.
@@ -102,7 +123,11 @@ impl Reporter {
         }
         state.last_line = Instant::now();
         let inside = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
-        let whole = ((state.finished_count as f64 + inside) / self.phases as f64).min(1.0);
+        let whole = match self.whole {
+            Whole::Phases(all) => (state.finished_count as f64 + inside) / all as f64,
+            Whole::Steps(all) => (state.finished_steps + state.done) as f64 / all as f64,
+        };
+        let whole = whole.min(1.0);
         let elapsed = self.started.elapsed().as_secs_f64();
         let left = (whole > 0.0).then(|| elapsed * (1.0 - whole) / whole);
         let percent = 100.0 * whole;
@@ -152,6 +177,7 @@ impl Progress for Reporter {
             None => state.finished.push(Phase { name, seconds }),
         }
         state.finished_count += 1;
+        state.finished_steps += state.total;
         (state.done, state.total) = (0, 0);
     }
 }

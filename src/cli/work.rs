@@ -29,6 +29,11 @@ impl WorkArgs {
             .map_err(|error| Failure::new(code::FAILED, format!("cannot start threads: {error}")))
     }
 
+    /// For work whose phases differ much: `steps` are those of all phases together.
+    pub fn step_reporter(&self, verbosity: Verbosity, steps: u64) -> Reporter {
+        Reporter::of_steps(self.progress, verbosity, steps)
+    }
+
     pub fn reporter(&self, verbosity: Verbosity, phases: u64) -> Reporter {
         Reporter::new(self.progress, verbosity, phases)
     }

@@ -32,10 +32,24 @@ impl<'a> Judge<'a> {
         Ok(Judge { scene, reference: in_units_of(&reference.image, scene.white), mask, options })
     }
 
+    /// All errors of a render.
     pub fn metrics(&self, image: &Image, which: &str) -> Result<Metrics, StudyError> {
+        self.found(image, which, &self.options)
+    }
+
+    /// All but FLIP: what a search goes by.
+    pub fn quick_metrics(&self, image: &Image, which: &str) -> Result<Metrics, StudyError> {
+        self.found(image, which, &Options { no_flip: true, ..self.options.clone() })
+    }
+
+    fn found(&self, image: &Image, which: &str, options: &Options) -> Result<Metrics, StudyError> {
         let test = in_units_of(image, self.scene.white);
-        let found = compare_masked(&test, &self.reference, self.mask.as_deref(), &self.options)
-            .map_err(|source| StudyError::Metric { scene: self.scene.name.clone(), which: which.to_owned(), source })?;
+        let mask = self.mask.as_deref();
+        let found = compare_masked(&test, &self.reference, mask, options).map_err(|source| StudyError::Metric {
+            scene: self.scene.name.clone(),
+            which: which.to_owned(),
+            source,
+        })?;
         Ok(Metrics {
             rmse: found.rmse_shown,
             rmse_linear: found.rmse,

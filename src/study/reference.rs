@@ -22,6 +22,9 @@ use crate::scene::Scene;
 use crate::scene::settings::Method;
 use crate::world::World;
 
+/// Steps of progress that a pass of a reference counts.
+pub(super) const STEPS_A_PASS: u64 = 20;
+
 /// A part that is under way is put on disk this often.
 const SAVE_EVERY: Duration = Duration::from_secs(30);
 
@@ -173,15 +176,15 @@ impl PartPlan {
         let world = World::new(self.scene.clone())?;
         let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
         let [width, height] = world.scene.camera.resolution;
-        progress.phase(&format!("reference {}", self.label), u64::from(self.passes));
-        progress.advance(u64::from(moments.passes));
+        progress.phase(&format!("reference {}", self.label), STEPS_A_PASS * u64::from(self.passes));
+        progress.advance(STEPS_A_PASS * u64::from(moments.passes));
         let mut saved = Instant::now();
         for pass in moments.passes..self.passes {
             let mut film = Film::new(width, height, &world.scene.settings.layers);
             render_pass(&world, &camera, pass, &mut film, &mut RenderReport::default(), &Silent);
             film.end_pass();
             moments.add(&layer(&film.resolve(), &self.layer));
-            progress.advance(1);
+            progress.advance(STEPS_A_PASS);
             if saved.elapsed() > SAVE_EVERY && moments.passes > 1 {
                 self.write(path, &moments)?;
                 saved = Instant::now();

@@ -6,8 +6,8 @@ use super::compare::{Judge, shown_error};
 use super::error::StudyError;
 use super::fit::power_law;
 use super::method::{Method, Parameter};
-use super::plan::{BandwidthPlan, Budget, Experiment, ExperimentMethod, Study, StudyScene};
-use super::reference::{Reference, Shelf, reference};
+use super::plan::{BandwidthPlan, Budget, Experiment, ExperimentMethod, ReferencePlan, Study, StudyScene};
+use super::reference::{Reference, STEPS_A_PASS, Shelf, reference};
 use super::render::{Finished, Order, finished, program, write_pictures};
 use super::results::{
     Bandwidth, Cell, Curve, CurvePoint, ExperimentResult, Mean, ReferenceResult, Results, Row, SCHEMA, SceneResult,
@@ -94,7 +94,13 @@ pub fn expected_steps(study: &Study, wanted: impl Fn(&Experiment) -> bool) -> u6
         };
         e.methods.iter().map(of).sum::<u64>() * e.scenes.len() as u64 * e.seeds.len() as u64
     };
-    study.experiments.iter().filter(|e| wanted(e)).map(rows).sum()
+    let experiments: Vec<&Experiment> = study.experiments.iter().filter(|e| wanted(e)).collect();
+    let used = |i: &usize| experiments.iter().any(|e| e.scenes.contains(i));
+    let references = (0..study.scenes.len()).filter(used).map(|i| match &study.scenes[i].reference {
+        ReferencePlan::Exact(_) => 0,
+        ReferencePlan::Rendered(parts) => parts.iter().map(|part| u64::from(part.passes) * STEPS_A_PASS).sum(),
+    });
+    references.sum::<u64>() + experiments.iter().map(|e| rows(e)).sum::<u64>()
 }
 
 /// The weight of one render among the others, roughly a tenth of a second: what is known before anything was measured.
@@ -171,7 +177,7 @@ impl<'a> Bench<'a> {
                     if let Some(finished) = evaluation.finished.first() {
                         backend.clone_from(&finished.record.backend);
                     }
-                    result.rows.push(series.row(chosen_for, evaluation, experiment, entry.method));
+                    result.rows.push(series.row(chosen_for, evaluation, experiment, entry.method)?);
                 }
             }
         }
@@ -314,7 +320,7 @@ impl Series<'_> {
             bench.place.progress.phase(&self.title(bandwidth, seed), steps(self.budget));
             let render = finished(&order, bench.place.folder, bench.place.threads)?;
             bench.place.progress.finish();
-            let metrics = self.judge.metrics(&render.image, &order.label)?;
+            let metrics = self.judge.quick_metrics(&render.image, &order.label)?;
             cells.push(Cell { seed, seconds: render.record.seconds, passes: render.record.passes, metrics });
             all.push(render);
         }
@@ -342,14 +348,24 @@ impl Series<'_> {
         format!("{}, {}, {budget}{parameter}, seed {seed}", self.bench.scene.name, self.method.name)
     }
 
-    fn row(&self, chosen_for: &'static str, evaluation: Evaluation, experiment: &Experiment, method: usize) -> Row {
+    fn row(
+        &self,
+        chosen_for: &'static str,
+        evaluation: Evaluation,
+        experiment: &Experiment,
+        method: usize,
+    ) -> Result<Row, StudyError> {
         let photons = self.photons();
         let here = |p: &&super::plan::Published| p.method == method && (p.photons.is_none() || p.photons == photons);
         let published = experiment.published.iter().find(here);
         let goal = |name: &str| chosen_for == "given" || chosen_for.contains(name);
         let metric = |name: &str, value: Option<f64>| Some((name.to_owned(), value.filter(|_| goal(name))?));
         let first = evaluation.finished.first();
-        Row {
+        let mut cells = evaluation.cells;
+        for (cell, render) in cells.iter_mut().zip(&evaluation.finished) {
+            cell.metrics = self.judge.metrics(&render.image, &self.method.name)?;
+        }
+        Ok(Row {
             scene: self.bench.scene.name.clone(),
             method: self.method.name.clone(),
             photons: match self.budget {
@@ -372,8 +388,8 @@ impl Series<'_> {
                 .collect(),
             rmse_ratio: None,
             image: first.map(|f| f.path.clone()).unwrap_or_default(),
-            cells: evaluation.cells,
-        }
+            cells,
+        })
     }
 }
 
