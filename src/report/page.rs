@@ -102,7 +102,7 @@ fn of_scene(folder: &Path, experiment: &ExperimentResult, scene: &SceneResult) -
         p.legend {
             "Below each picture its error as shown, mean over the colours: 0 "
             span.scale style={ "background: " (gradient()) } {}
-            " " (WORST) " and more."
+            " " (WORST) " and more. Blue-grey: not compared."
         }
         (slider(size))
     })
@@ -132,7 +132,6 @@ fn detail(row: &Row) -> String {
 fn tile(picture: &Picture, size: [u32; 2], crop: Option<[u32; 4]>) -> Markup {
     let [x0, y0, x1, y1] = crop.unwrap_or([0, 0, size[0], size[1]]).map(f64::from);
     let width = f64::from(size[0]);
-    let height = f64::from(size[1]);
     let (w, h) = (x1 - x0, y1 - y0);
     let window = format!("aspect-ratio: {w} / {h}");
     let place =

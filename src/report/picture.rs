@@ -8,6 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use super::ReportError;
 use crate::film::Image;
 use crate::output::{exr, png};
+use crate::study::results::COMPARED;
 
 /// Error, as shown, at the bright end of the maps; larger ones are as bright.
 pub(super) const WORST: f64 = 0.25;
@@ -16,6 +17,9 @@ pub(super) const WORST: f64 = 0.25;
 /// lightness rises evenly and red-green blindness loses nothing.
 const COLOURS: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [0.08, 0.01, 0.16], [0.46, 0.03, 0.1], [0.95, 0.3, 0.02], [0.98, 0.95, 0.55]];
+
+/// Pixels that the reference cannot hold.
+const NOT_COMPARED: [f32; 3] = [0.2, 0.25, 0.3];
 
 /// A picture file as the source of an `img`.
 pub(super) fn data_uri(path: &Path) -> Result<String, ReportError> {
@@ -38,8 +42,10 @@ pub(super) fn write_error_map(image: &Path, reference: &Path, white: f64) -> Res
         return Err(ReportError::SizesDiffer { path: image.to_owned() });
     }
     let shown = |v: f32| (f64::from(v) / white).clamp(0.0, 1.0);
+    let compared = |i: usize| reference.channel(COMPARED).is_none_or(|samples| samples[i] > 0.0);
     let error = |i: usize| (0..3).map(|c| (shown(a[c][i]) - shown(b[c][i])).abs()).sum::<f64>() / 3.0;
-    let pixels: Vec<[f32; 3]> = (0..test.pixels()).map(|i| colour(error(i) / WORST)).collect();
+    let pixels: Vec<[f32; 3]> =
+        (0..test.pixels()).map(|i| if compared(i) { colour(error(i) / WORST) } else { NOT_COMPARED }).collect();
     png::write(&path, &Image::from_rgb(test.width, test.height, &pixels), 0.0)?;
     Ok(path)
 }

@@ -68,6 +68,10 @@ impl HeightField {
     pub fn half_size(&self) -> Vec2 {
         self.half_size
     }
+    /// x, y and up.
+    pub fn frame(&self) -> Frame {
+        self.frame
+    }
     pub fn waves(&self) -> &[Wave] {
         &self.waves
     }

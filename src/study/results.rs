@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 /// Number of the layout of `results.json`.
 pub const SCHEMA: u32 = 1;
 
+/// Channel of a reference's EXR: 1 in pixels that are compared, 0 in others; all are without it.
+pub const COMPARED: &str = "compared";
+
 /// A finished study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Results {

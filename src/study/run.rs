@@ -10,10 +10,11 @@ use super::plan::{BandwidthPlan, Budget, Experiment, ExperimentMethod, Reference
 use super::reference::{Reference, STEPS_A_PASS, Shelf, reference};
 use super::render::{Finished, Order, finished, program, write_pictures};
 use super::results::{
-    Bandwidth, Cell, Curve, CurvePoint, ExperimentResult, Mean, ReferenceResult, Results, Row, SCHEMA, SceneResult,
-    Slope,
+    Bandwidth, COMPARED, Cell, Curve, CurvePoint, ExperimentResult, Mean, ReferenceResult, Results, Row, SCHEMA,
+    SceneResult, Slope,
 };
 use super::search::{Goal, Range, Search};
+use crate::film::Channel;
 use crate::import::Override;
 use crate::render::progress::Progress;
 
@@ -136,7 +137,12 @@ impl<'a> Bench<'a> {
     fn result(&self) -> Result<SceneResult, StudyError> {
         let image = &self.reference.image;
         let path = Path::new("references").join(&self.scene.name);
-        write_pictures(&self.place.folder.join(&path), image, self.scene.white, &[])?;
+        let mut kept = image.clone();
+        if let Some(mask) = &self.reference.mask {
+            let samples = mask.iter().map(|&compared| f32::from(u8::from(compared))).collect();
+            kept.channels.push(Channel { name: COMPARED.to_owned(), samples });
+        }
+        write_pictures(&self.place.folder.join(&path), &kept, self.scene.white, &[])?;
         let compared = match &self.reference.mask {
             Some(mask) => mask.iter().filter(|&&compared| compared).count(),
             None => image.pixels(),
