@@ -18,9 +18,9 @@ use crate::film::Channel;
 use crate::import::Override;
 use crate::render::progress::Progress;
 
-/// Neighbouring bandwidths beside the best one differ by no more at the end of a search: the error at the true best is
-/// then within 1.5 % of the least one that was seen, see the search's tests.
-const TOLERANCE: f64 = 1.35;
+/// A search ends this near to where the best bandwidth seems to be: the error is then within 0.5 % of the least one,
+/// see the search's tests.
+const TOLERANCE: f64 = 1.05;
 /// Evaluations that a search is expected to take, for the time that is left.
 const EXPECTED_EVALUATIONS: f64 = 8.0;
 

@@ -1,9 +1,10 @@
 //! The best bandwidth: a bracketed search over the logarithm of a parameter.
 //!
 //! An error as a function of the bandwidth falls while noise is smoothed away and rises where blur takes over. The
-//! search steps outwards by factors of two until the best point has a worse one on both sides, then cuts the wider of
-//! the two gaps beside it at the golden section until both are as narrow as wanted. Everything that was looked at is
-//! kept: it is the curve.
+//! search steps outwards by factors of two until the best point has a worse one on both sides. From then on it looks
+//! where the parabola through the best point and its two neighbours is lowest `[Brent73 5]`, and cuts a gap beside the
+//! best point at the golden section where the parabola has nothing new to say. It ends with both gaps narrow and the
+//! parabola's lowest place next to a point that is known. Everything that was looked at is kept: it is the curve.
 
 use crate::study::results::CurvePoint;
 
@@ -20,6 +21,9 @@ pub struct Range {
 const STEP: f64 = 2.0;
 /// 2 − φ: the smaller part of the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
+/// A parabola whose ends are as far away as this power of the tolerance is wrong about its lowest place by less than the
+/// tolerance: over ln x the error's curves are a few times as skew as they are bent, and the skew counts squared.
+const TRUSTED: f64 = 6.0;
 /// More evaluations than any curve needs; a noisy one must end, too.
 const MAX_POINTS: usize = 60;
 
@@ -46,7 +50,7 @@ impl Goal {
 #[derive(Clone, Debug)]
 pub struct Search {
     range: Range,
-    /// Widest ratio of neighbours beside the best point at the end.
+    /// Ratio to the best bandwidth that is near enough.
     tolerance: f64,
     points: Vec<CurvePoint>,
 }
@@ -107,13 +111,31 @@ impl Search {
         if let Some(next) = outwards {
             return Some(self.admissible(next));
         }
+        let known = |next: f64| self.points.iter().any(|p| (p.bandwidth / next).ln().abs() < self.tolerance.ln());
+        if let Some(vertex) = self.vertex(goal, best).map(|v| self.admissible(v)).filter(|&v| !known(v)) {
+            return Some(vertex);
+        }
         let gaps = [below, above].map(|neighbour| neighbour.map_or(0.0, |n| (n / x).ln()));
-        let widest = if gaps[0].abs() > gaps[1].abs() { gaps } else { [gaps[1], gaps[0]] };
-        widest.into_iter().filter(|gap| gap.abs() > self.tolerance.ln()).find_map(|gap| {
-            let next = self.admissible(x * (GOLDEN * gap).exp());
-            // Between neighbouring whole numbers there is nothing.
-            self.points.iter().all(|p| p.bandwidth != next).then_some(next)
-        })
+        let wider = if gaps[0].abs() > gaps[1].abs() { gaps[0] } else { gaps[1] };
+        if wider.abs() <= TRUSTED * self.tolerance.ln() {
+            return None;
+        }
+        let next = self.admissible(x * (GOLDEN * wider).exp());
+        // Between neighbouring whole numbers there is nothing.
+        self.points.iter().all(|p| p.bandwidth != next).then_some(next)
+    }
+
+    /// Where the parabola through the best point and its neighbours, over ln x, is lowest; `None` at an end of the range
+    /// and where the three are level.
+    fn vertex(&self, goal: Goal, best: usize) -> Option<f64> {
+        let at = |i: usize| {
+            let p = self.points.get(i)?;
+            Some((p.bandwidth.ln(), goal.cost(p)?))
+        };
+        let [(xa, ya), (x, y), (xb, yb)] = [at(best.checked_sub(1)?)?, at(best)?, at(best + 1)?];
+        let (left, right) = ((x - xa) * (yb - y), (xb - x) * (ya - y));
+        let bend = left + right;
+        (bend > 0.0).then(|| (x + 0.5 * ((xb - x) * right - (x - xa) * left) / bend).exp())
     }
 
     fn admissible(&self, x: f64) -> f64 {
@@ -147,30 +169,46 @@ mod tests {
         (search.points()[i].bandwidth, search.points().len())
     }
 
-    /// The known minimum lies within the tolerance of what is found, from starts on both sides of it, however narrow the
-    /// tolerance; each further digit costs the golden section's number of points.
+    /// The known minimum is found within the tolerance, from starts on both sides of it, however narrow the tolerance.
     #[test]
     fn the_known_minimum_is_found_within_the_tolerance() {
         for best in [0.3, 4.0, 70.0, 333.3] {
             for start in [0.05, 1.0, 50.0, 2000.0] {
-                for tolerance in [1.35, 1.1, 1.01, 1.0001] {
+                for tolerance in [1.1, 1.05, 1.01, 1.001] {
                     let (x, looked) = found(RANGE, tolerance, start, best);
                     assert!((x / best).ln().abs() <= tolerance.ln(), "best {best}, start {start}: {x}");
                     let outwards = (best / start).log2().abs() + 3.0;
-                    let cuts = 2.0 * (2f64.ln() / tolerance.ln()).log(1.0 / (1.0 - GOLDEN)) + 4.0;
-                    assert!((looked as f64) <= outwards + cuts, "{looked} points for {tolerance}");
+                    assert!((looked as f64) <= outwards + 14.0, "{looked} points for {tolerance}");
                 }
             }
         }
     }
 
-    /// At the wanted tolerance of a study the error at the point that is found is within 1.5 % of the least one.
+    /// At the tolerance of a study the error at the point that is found is within 0.5 % of the least one, and few points
+    /// were looked at.
     #[test]
     fn near_the_minimum_the_error_is_flat() {
         for best in [0.3, 4.0, 70.0, 333.3, 91.7] {
-            let (x, looked) = found(RANGE, 1.35, 20.0, best);
-            assert!(curve(best, x) / curve(best, best) < 1.015, "best {best}: {x}");
-            assert!(looked <= 14, "{looked} points");
+            let (x, looked) = found(RANGE, 1.05, 20.0, best);
+            assert!(curve(best, x) / curve(best, best) < 1.005, "best {best}: {x}");
+            assert!(looked <= 15, "{looked} points");
+        }
+    }
+
+    /// A corner is no parabola: the golden section still closes in on it.
+    #[test]
+    fn a_corner_is_found_within_the_trusted_gap() {
+        for best in [0.3, 4.0, 70.0, 333.3, 91.7] {
+            for skew in [0.2, 1.0, 5.0] {
+                let mut search = Search::new(RANGE, 1.05);
+                let corner = |x: f64| {
+                    let t = (x / best).ln();
+                    if t < 0.0 { -t } else { skew * t }
+                };
+                let Ok(()) = search.run(Goal::Rmse, 20.0, |x| Ok::<_, Infallible>(point(corner(x), 0.5)));
+                let x = search.points()[search.best(Goal::Rmse).expect("a best point")].bandwidth;
+                assert!((x / best).ln().abs() <= TRUSTED * 1.05f64.ln(), "best {best}, skew {skew}: {x}");
+            }
         }
     }
 
@@ -216,7 +254,7 @@ mod tests {
     #[test]
     fn an_error_of_the_evaluation_ends_the_search() {
         let mut search = Search::new(RANGE, 1.1);
-        let result = search.run(Goal::Rmse, 1.0, |x| if x > 1.5 { Err("stop") } else { Ok(point(1.0, 0.0)) });
+        let result = search.run(Goal::Rmse, 1.0, |x| if x < 0.7 { Err("stop") } else { Ok(point(1.0, 0.0)) });
         assert_eq!(result, Err("stop"));
     }
 }

@@ -28,6 +28,7 @@ mod shape_derivatives;
 mod shape_intersect;
 mod shape_sampling;
 mod statistics_support;
+mod study;
 mod structure;
 mod texture;
 mod warps;
