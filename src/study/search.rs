@@ -21,9 +21,9 @@ pub struct Range {
 const STEP: f64 = 2.0;
 /// 2 − φ: the smaller part of the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
-/// A parabola whose ends are as far away as this power of the tolerance is wrong about its lowest place by less than the
-/// tolerance: over ln x the error's curves are a few times as skew as they are bent, and the skew counts squared.
-const TRUSTED: f64 = 6.0;
+/// A parabola's lowest place is wrong by about a third of the square of its half width over ln x: the errors' curves are
+/// about twice as skew as they are bent. It is trusted up to the width where that is two thirds of the tolerance.
+const TRUSTED: f64 = 2.0;
 /// More evaluations than any curve needs; a noisy one must end, too.
 const MAX_POINTS: usize = 60;
 
@@ -117,7 +117,7 @@ impl Search {
         }
         let gaps = [below, above].map(|neighbour| neighbour.map_or(0.0, |n| (n / x).ln()));
         let wider = if gaps[0].abs() > gaps[1].abs() { gaps[0] } else { gaps[1] };
-        if wider.abs() <= TRUSTED * self.tolerance.ln() {
+        if wider.abs() <= (TRUSTED * self.tolerance.ln()).sqrt() {
             return None;
         }
         let next = self.admissible(x * (GOLDEN * wider).exp());
@@ -207,7 +207,7 @@ mod tests {
                 };
                 let Ok(()) = search.run(Goal::Rmse, 20.0, |x| Ok::<_, Infallible>(point(corner(x), 0.5)));
                 let x = search.points()[search.best(Goal::Rmse).expect("a best point")].bandwidth;
-                assert!((x / best).ln().abs() <= TRUSTED * 1.05f64.ln(), "best {best}, skew {skew}: {x}");
+                assert!((x / best).ln().abs() <= (TRUSTED * 1.05f64.ln()).sqrt(), "best {best}, skew {skew}: {x}");
             }
         }
     }
