@@ -78,6 +78,7 @@ fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &
     let tree = BoxTree::build(&boxes, LEAF_SIZE);
     // In the order of the leaves, so that a splat reads and writes runs.
     let points: Vec<&GatherPoint> = tree.order().iter().map(|&i| points[i as usize]).collect();
+    let receivers: Vec<Receiver> = points.iter().map(|point| Receiver::new(point)).collect();
     let widest_eye = points.iter().map(|point| square_sum(&point.eye)).fold(0.0, f64::max);
     let mut sums = vec![Gathered::default(); points.len()];
     for stratum in strata {
@@ -85,11 +86,11 @@ fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &
             let photon = &map.photons[j as usize];
             let splat = Splat::new(photon, kernel, widest_eye);
             let visit = |leaf: Range<usize>| {
-                for (sum, point) in sums[leaf.clone()].iter_mut().zip(&points[leaf]) {
-                    let weight = splat.weight(point);
+                for i in leaf {
+                    let weight = splat.weight(&receivers[i]);
                     if weight > 0.0 {
-                        sum.radiance += Radiance(reflected(point, photon) * weight);
-                        sum.density += weight;
+                        sums[i].radiance += Radiance(splat.reflected(&receivers[i], points[i]) * weight);
+                        sums[i].density += weight;
                     }
                 }
                 true
@@ -102,6 +103,29 @@ fn splat_all(map: &PhotonMap, strata: &[BoxTree], kernel: KernelShape, points: &
         in_order[i as usize] = sum;
     }
     in_order
+}
+
+/// What a splat asks of a point, packed: the point itself, with its BSDF, fills several cache lines.
+struct Receiver {
+    p: Point3,
+    ng: Normal3,
+    eye: [Vec3; 2],
+    even: Option<Even>,
+}
+
+/// A BSDF that sends the same to all directions, with its normals turned to the side of `wo`.
+struct Even {
+    f: Spectrum,
+    ng: Vec3,
+    ns: Vec3,
+}
+
+impl Receiver {
+    fn new(point: &GatherPoint) -> Receiver {
+        let turned = |n: Normal3| n.as_dir().to_vec() * 1.0f64.copysign(n.dot(point.wo));
+        let even = |f| Even { f, ng: turned(point.ng), ns: turned(point.ns) };
+        Receiver { p: point.p, ng: point.ng, eye: point.eye, even: point.bsdf.even_value(point.wo).map(even) }
+    }
 }
 
 /// A photon's footprint made ready for many points.
@@ -118,6 +142,10 @@ struct Splat<'a> {
     form: TangentForm,
     /// o ↦ d as two rows.
     plane: [Vec3; 2],
+    flux: Spectrum,
+    wi: Vec3,
+    /// Square of the height over the photon's plane that its light reaches.
+    thickness2: f64,
     /// o ↦ y with |y|² = dᵀ (Q + λ)⁻¹ d, where λ is at least every eye footprint: |y| ≥ 1 lies outside for every point.
     outside: [Vec3; 2],
 }
@@ -132,7 +160,19 @@ impl<'a> Splat<'a> {
         let l22 = (form.yy + widest_eye - l21 * l21).max(0.0).sqrt();
         let first = plane[0] / l11;
         let second = (plane[1] - first * l21) / l22;
-        Splat { photon, kernel, position: photon.position(), frame, slide, form, plane, outside: [first, second] }
+        Splat {
+            photon,
+            kernel,
+            position: photon.position(),
+            frame,
+            slide,
+            form,
+            plane,
+            flux: photon.flux().0,
+            wi: photon.wi(),
+            thickness2: photon.thickness().powi(2),
+            outside: [first, second],
+        }
     }
 
     /// False where the box lies outside the footprint as a whole: long thin footprints fill little of their own boxes.
@@ -143,7 +183,7 @@ impl<'a> Splat<'a> {
     }
 
     /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², 0 where the footprint does not reach the point or belongs to another surface.
-    fn weight(&self, point: &GatherPoint) -> f64 {
+    fn weight(&self, point: &Receiver) -> f64 {
         // In the order of what it costs to find out. The margin keeps this first test from deciding close cases; it lets
         // pass what is NaN for a footprint without area.
         let o = point.p - self.position;
@@ -151,7 +191,8 @@ impl<'a> Splat<'a> {
         if y0 * y0 + y1 * y1 > 1.0 + 1e-9 {
             return 0.0;
         }
-        if point.ng.dot(self.frame.n) < MIN_NORMAL_COSINE || !self.photon.is_within(o.dot(self.frame.n)) {
+        let height = o.dot(self.frame.n);
+        if point.ng.dot(self.frame.n) < MIN_NORMAL_COSINE || height * height > self.thickness2 {
             return 0.0;
         }
         let form = self.form.plus(TangentForm::from_axes(&self.frame, point.eye));
@@ -161,7 +202,15 @@ impl<'a> Splat<'a> {
         }
         let [x, y] = self.plane.map(|row| row.dot(o));
         let turn = point.ng.dot(self.slide).abs();
-        kernel::evaluate(self.kernel, form.inverse_form(Vec2::new(x, y), determinant)) / determinant.sqrt() * turn
+        let inverse = 1.0 / determinant;
+        kernel::evaluate(self.kernel, form.adjugate_form(Vec2::new(x, y)) * inverse) * inverse.sqrt() * turn
+    }
+
+    /// As [`reflected`], of this photon.
+    fn reflected(&self, receiver: &Receiver, point: &GatherPoint) -> Spectrum {
+        let Some(even) = &receiver.even else { return reflected(point, self.photon) };
+        let [cos_s, cos_g] = [even.ns, even.ng].map(|n| n.dot(self.wi));
+        if cos_s > 0.0 && cos_g > 0.0 { even.f * self.flux * (cos_s / cos_g) } else { Spectrum::BLACK }
     }
 }
 
@@ -285,7 +334,9 @@ mod tests {
             })
             .collect();
         for (g, point) in gather(&map, KernelShape::Epanechnikov, &points).iter().zip(&points) {
-            let single = |photon| Splat::new(photon, KernelShape::Epanechnikov, square_sum(&point.eye)).weight(point);
+            let single = |photon| {
+                Splat::new(photon, KernelShape::Epanechnikov, square_sum(&point.eye)).weight(&Receiver::new(point))
+            };
             let expected: f64 = photons.iter().map(single).sum();
             assert!((g.density - expected).abs() <= 1e-9 * expected, "{} against {expected}", g.density);
         }

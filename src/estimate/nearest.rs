@@ -6,13 +6,20 @@
 
 use std::num::NonZero;
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use kiddo::{ImmutableKdTree, QueryResultItem, SquaredEuclidean};
 
 use super::gather::{GatherPoint, Gathered, reflected};
 use super::kernel;
 use crate::photon::PhotonMap;
 use crate::radiometry::Radiance;
 use crate::scene::settings::KernelShape;
+
+type Tree = ImmutableKdTree<f64, 3>;
+/// A photon's index and its squared distance.
+type Neighbour = QueryResultItem<(), u32, f64>;
+
+/// Factor on the last point's radius: room for a density that falls a little.
+const GUESS_MARGIN: f64 = 1.1;
 
 /// As in the footprint estimate: photons on a surface turned away are another surface's.
 const MIN_NORMAL_COSINE: f64 = 0.9;
@@ -21,7 +28,7 @@ const MIN_NORMAL_COSINE: f64 = 0.9;
 pub struct NearestPhotons<'a> {
     map: &'a PhotonMap,
     /// `None` where fewer than two photons are stored: no radius can be had.
-    tree: Option<ImmutableKdTree<f64, 3>>,
+    tree: Option<Tree>,
 }
 
 impl<'a> NearestPhotons<'a> {
@@ -31,27 +38,70 @@ impl<'a> NearestPhotons<'a> {
         NearestPhotons { map, tree }
     }
 
-    /// The estimate at one point with `k` ≥ 2 neighbours.
-    pub fn gather(&self, k: NonZero<usize>, kernel: KernelShape, point: &GatherPoint) -> Gathered {
+    /// The estimates at `points` with `k` ≥ 2 neighbours.
+    pub fn gather(&self, k: usize, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
+        let Some(tree) = &self.tree else { return vec![Gathered::default(); points.len()] };
+        let mut discs = Discs { tree, k: k.min(self.map.photons.len()), guess: 0.0, distances: Vec::new() };
+        points.iter().map(|point| self.estimate(kernel, point, discs.around(&point.p.to_array()))).collect()
+    }
+
+    fn estimate(&self, kernel: KernelShape, point: &GatherPoint, disc: Disc) -> Gathered {
         let mut gathered = Gathered::default();
-        let Some(tree) = &self.tree else { return gathered };
-        let nearest = tree.query(&point.p.to_array()).nearest_n::<SquaredEuclidean<f64>>(k).execute();
-        let Some(last) = nearest.last() else { return gathered };
-        let radius2 = last.distance;
-        if radius2 <= 0.0 {
-            return gathered;
-        }
-        let inside = if kernel::vanishes_at_edge(kernel) { nearest.len() } else { nearest.len() - 1 };
-        for neighbour in &nearest[..inside] {
+        for neighbour in &disc.photons {
             let photon = &self.map.photons[neighbour.item as usize];
-            if point.ng.dot(photon.normal()) < MIN_NORMAL_COSINE {
+            // The k-th photon lies on the edge, where kernels that do not vanish leave it out.
+            if neighbour.distance >= disc.radius2 || point.ng.dot(photon.normal()) < MIN_NORMAL_COSINE {
                 continue;
             }
-            let weight = kernel::evaluate(kernel, neighbour.distance / radius2) / radius2;
+            let weight = kernel::evaluate(kernel, neighbour.distance / disc.radius2) / disc.radius2;
             gathered.radiance += Radiance(reflected(point, photon) * weight);
             gathered.density += weight;
         }
         gathered
+    }
+}
+
+/// Finds the discs around neighbouring points one after the other.
+///
+/// A sorted list of the k nearest costs k log k a point. All photons within a radius that is likely to hold k come at a
+/// fraction of that, and the k-th smallest of their distances is selected in linear time. The tree names photons in an
+/// order that does not depend on the radius, so that sums over a disc have the same bits whatever the guess was.
+struct Discs<'a> {
+    tree: &'a Tree,
+    k: usize,
+    /// The last disc's radius, m.
+    guess: f64,
+    distances: Vec<f64>,
+}
+
+/// The photons within at least `radius2`, squared distances.
+struct Disc {
+    photons: Vec<Neighbour>,
+    radius2: f64,
+}
+
+impl Discs<'_> {
+    fn around(&mut self, p: &[f64; 3]) -> Disc {
+        let mut radius = if self.guess > 0.0 { GUESS_MARGIN * self.guess } else { self.sorted(p) };
+        loop {
+            let photons = self.tree.query(p).within::<SquaredEuclidean<f64>>(radius * radius).unsorted().execute();
+            if photons.len() < self.k {
+                radius *= if photons.len() > self.k / 4 { 1.0 + 1.0 / 3.0 } else { 2.0 };
+                continue;
+            }
+            self.distances.clear();
+            self.distances.extend(photons.iter().map(|n| n.distance));
+            let (_, &mut radius2, _) = self.distances.select_nth_unstable_by(self.k - 1, f64::total_cmp);
+            self.guess = radius2.sqrt();
+            return Disc { photons, radius2 };
+        }
+    }
+
+    /// The first point's radius.
+    fn sorted(&self, p: &[f64; 3]) -> f64 {
+        let k = NonZero::new(self.k).unwrap_or(NonZero::<usize>::MIN);
+        let nearest = self.tree.query(p).nearest_n::<SquaredEuclidean<f64>>(k).execute();
+        nearest.last().map_or(0.0, |last| last.distance.sqrt() * GUESS_MARGIN).max(f64::MIN_POSITIVE.sqrt())
     }
 }
 
@@ -71,7 +121,7 @@ mod tests {
     /// every kernel (PHOTON_DIFFERENTIALS 4.1). A z-test over 4000 maps, five standard errors.
     #[test]
     fn the_estimate_is_unbiased_where_the_density_is_flat() {
-        let (n, k, trials, seed) = (100, NonZero::new(10).expect("ten"), 4000u64, 11);
+        let (n, k, trials, seed) = (100, 10, 4000u64, 11);
         for kernel in [KernelShape::Uniform, KernelShape::Epanechnikov, KernelShape::Biweight, KernelShape::Cone] {
             let densities: Vec<f64> = (0..trials).map(|t| one_density(n, k, kernel, seed, t)).collect();
             let mean = densities.iter().sum::<f64>() / trials as f64;
@@ -81,7 +131,7 @@ mod tests {
         }
     }
 
-    fn one_density(n: u32, k: NonZero<usize>, kernel: KernelShape, seed: u64, trial: u64) -> f64 {
+    fn one_density(n: u32, k: usize, kernel: KernelShape, seed: u64, trial: u64) -> f64 {
         let mut s = Stream::new(seed, Purpose::Test, 0, trial);
         let photons = (0..n)
             .map(|_| {
@@ -93,6 +143,6 @@ mod tests {
         let (p, n) = (Point3::new(0.5, 0.5, 0.0), Normal3::Z);
         let bsdf = lambert_at(p, n, 1.0);
         let point = GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All };
-        NearestPhotons::new(&map).gather(k, kernel, &point).density
+        NearestPhotons::new(&map).gather(k, kernel, &[point])[0].density
     }
 }

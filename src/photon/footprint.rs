@@ -34,9 +34,9 @@ impl TangentForm {
     pub fn trace(&self) -> f64 {
         self.xx + self.yy
     }
-    /// dᵀ Q⁻¹ d, given det Q > 0.
-    pub fn inverse_form(&self, d: Vec2, determinant: f64) -> f64 {
-        (self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y) / determinant
+    /// dᵀ Q⁻¹ d · det Q.
+    pub fn adjugate_form(&self, d: Vec2) -> f64 {
+        self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y
     }
     /// Squared semi-axes, ascending, and the direction of the longer one in (t, b).
     pub fn principal(&self) -> ([f64; 2], Vec2) {

@@ -68,12 +68,6 @@ impl Photon {
     pub fn thickness(&self) -> f64 {
         THICKNESS * self.form().trace().sqrt() + float::origin_offset(self.position().abs().max_element())
     }
-    /// Whether a point at `height` above the photon's tangent plane lies within its thickness.
-    pub fn is_within(&self, height: f64) -> bool {
-        let [xx, _, yy] = self.form;
-        let over = height.abs() - float::origin_offset(self.position().abs().max_element());
-        over <= 0.0 || over * over <= THICKNESS * THICKNESS * f64::from(xx + yy)
-    }
     /// The direction in which points beside the tangent plane are carried into it, of length 1/cos: along the photon,
     /// as parallel light would go, or along the normal for a photon that skims its surface.
     pub fn slide(&self) -> Vec3 {

@@ -22,8 +22,8 @@ const STEP: f64 = 2.0;
 /// 2 − φ: the smaller part of the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// A parabola's lowest place is wrong by about a third of the square of its half width over ln x: the errors' curves are
-/// about twice as skew as they are bent. It is trusted up to the width where that is two thirds of the tolerance.
-const TRUSTED: f64 = 2.0;
+/// about twice as skew as they are bent. It is trusted up to the width where that is half of the tolerance.
+const TRUSTED: f64 = 1.5;
 /// More evaluations than any curve needs; a noisy one must end, too.
 const MAX_POINTS: usize = 60;
 
@@ -111,7 +111,7 @@ impl Search {
         if let Some(next) = outwards {
             return Some(self.admissible(next));
         }
-        let known = |next: f64| self.points.iter().any(|p| (p.bandwidth / next).ln().abs() < self.tolerance.ln());
+        let known = |next: f64| self.points.iter().any(|p| (p.bandwidth / next).ln().abs() < 0.5 * self.tolerance.ln());
         if let Some(vertex) = self.vertex(goal, best).map(|v| self.admissible(v)).filter(|&v| !known(v)) {
             return Some(vertex);
         }

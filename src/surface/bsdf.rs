@@ -131,6 +131,13 @@ impl Bsdf {
         self.local_f(&side, wi, mode)
     }
 
+    /// The value of [`Bsdf::f`] for every `wi` on the side of `wo`, where it is the same for all and there is none on the
+    /// other: `None` for other models.
+    pub fn even_value(&self, wo: Dir3) -> Option<Spectrum> {
+        let Model::Lambert(lambert) = &self.model else { return None };
+        self.side(wo).map(|_| lambert.f(Vec3::Z))
+    }
+
     /// Density of [`Bsdf::sample`] drawing `wi` from a lobe that is not a delta; its integral is the probability of that.
     /// This is the density for multiple importance sampling against [`Bsdf::sample`].
     /// No model of today draws differently in the two modes.
