@@ -56,6 +56,8 @@ struct State {
     finished: Vec<Phase>,
     finished_count: u64,
     finished_steps: u64,
+    /// Steps that cost no time.
+    skipped_steps: u64,
     last_line: Instant,
 }
 
@@ -91,6 +93,7 @@ impl Reporter {
             finished: Vec::new(),
             finished_count: 0,
             finished_steps: 0,
+            skipped_steps: 0,
             last_line: now,
         };
         Reporter { mode, whole, started: now, bar, state: Mutex::new(state) }
@@ -125,11 +128,16 @@ impl Reporter {
         let inside = if state.total > 0 { state.done as f64 / state.total as f64 } else { 0.0 };
         let whole = match self.whole {
             Whole::Phases(all) => (state.finished_count as f64 + inside) / all as f64,
-            Whole::Steps(all) => (state.finished_steps + state.done) as f64 / all as f64,
+            Whole::Steps(all) => (state.skipped_steps + state.finished_steps + state.done) as f64 / all as f64,
         };
         let whole = whole.min(1.0);
         let elapsed = self.started.elapsed().as_secs_f64();
-        let left = (whole > 0.0).then(|| elapsed * (1.0 - whole) / whole);
+        let skipped = match self.whole {
+            Whole::Phases(_) => 0.0,
+            Whole::Steps(all) => state.skipped_steps as f64 / all as f64,
+        };
+        let worked = whole - skipped;
+        let left = (worked > 0.0).then(|| elapsed * (1.0 - whole) / worked);
         let percent = 100.0 * whole;
         let eta = left.map_or_else(String::new, |s| format!(", about {} left", duration(s)));
         // Nobody is left to be told when stderr is closed.
@@ -179,6 +187,10 @@ impl Progress for Reporter {
         state.finished_count += 1;
         state.finished_steps += state.total;
         (state.done, state.total) = (0, 0);
+    }
+
+    fn skip(&self, n: u64) {
+        self.state().skipped_steps += n;
     }
 }
 

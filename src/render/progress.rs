@@ -8,6 +8,8 @@ pub trait Progress: Sync {
     fn advance(&self, n: u64);
     /// The phase is over.
     fn finish(&self);
+    /// `n` steps of the whole need no work: their results were there, or it turned out that they are not wanted.
+    fn skip(&self, n: u64);
 }
 
 /// Listens to nothing.
@@ -17,4 +19,5 @@ impl Progress for Silent {
     fn phase(&self, _name: &str, _total: u64) {}
     fn advance(&self, _n: u64) {}
     fn finish(&self) {}
+    fn skip(&self, _n: u64) {}
 }

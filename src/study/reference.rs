@@ -11,7 +11,7 @@ use super::error::StudyError;
 use super::exact::{self, ClosedForm};
 use super::mask::directly_seen;
 use super::plan::{ReferencePart, ReferencePlan, StudyScene};
-use super::render::{layer, program, write_pictures};
+use super::render::{file_stem, layer, program, write_pictures};
 use crate::camera::Camera;
 use crate::film::{Channel, Film, Image};
 use crate::import::{self, Override};
@@ -92,7 +92,7 @@ fn rendered(
     let (mut sum, mut about, mut notes) = (None::<Moments>, Vec::new(), Vec::new());
     let mut mask = None;
     for (i, part) in parts.iter().enumerate() {
-        let label = format!("{}-{i}", scene.name);
+        let label = format!("{}-{i}", file_stem(&scene.name));
         let plan = PartPlan::new(scene, part, file, &label)?;
         let (moments, note) = plan.finish(shelf, progress)?;
         notes.extend(note);
@@ -165,6 +165,7 @@ impl PartPlan {
         }
         let note = if best.is_none() { self.note_on_others(shelf) } else { None };
         let moments = best.unwrap_or_else(|| Moments::new(self.scene.camera.resolution));
+        progress.skip(STEPS_A_PASS * u64::from(moments.passes.min(self.passes)));
         if moments.passes >= self.passes {
             return Ok((moments, note));
         }
@@ -176,8 +177,8 @@ impl PartPlan {
         let world = World::new(self.scene.clone())?;
         let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
         let [width, height] = world.scene.camera.resolution;
-        progress.phase(&format!("reference {}", self.label), STEPS_A_PASS * u64::from(self.passes));
-        progress.advance(STEPS_A_PASS * u64::from(moments.passes));
+        let missing = self.passes - moments.passes;
+        progress.phase(&format!("reference {}", self.label), STEPS_A_PASS * u64::from(missing));
         let mut saved = Instant::now();
         for pass in moments.passes..self.passes {
             let mut film = Film::new(width, height, &world.scene.settings.layers);

@@ -14,6 +14,7 @@ use crate::import::{self, Override};
 use crate::output::{atomic, exr, png};
 use crate::render::progress::Silent;
 use crate::render::render_while;
+use crate::scene::Scene;
 use crate::scene::settings::Method;
 use crate::world::World;
 
@@ -52,6 +53,8 @@ pub struct Record {
     pub passes: u32,
     /// Photons or light paths of all passes; none for eye paths.
     pub photons: Option<u64>,
+    /// Photons in the maps of all passes; none without maps.
+    pub photons_stored: Option<u64>,
     pub backend: String,
 }
 
@@ -61,22 +64,45 @@ pub fn program() -> String {
     format!("pdembree {}{commit}", env!("CARGO_PKG_VERSION"))
 }
 
-/// The render from the report's `folder`, or done now and put there.
-pub fn finished(order: &Order, folder: &Path, threads: usize) -> Result<Finished, StudyError> {
-    let mut overrides = order.overrides.clone();
-    if !order.layer.is_empty() {
-        overrides.push(Override::new("render.layers", format!("[{:?}]", order.layer)));
+/// A render and where it is kept.
+pub struct Wanted<'a> {
+    order: &'a Order<'a>,
+    scene: Scene,
+    /// Below the report's folder, without ending.
+    path: PathBuf,
+}
+
+impl<'a> Wanted<'a> {
+    pub fn new(order: &'a Order<'a>, threads: usize) -> Result<Wanted<'a>, StudyError> {
+        let mut overrides = order.overrides.clone();
+        if !order.layer.is_empty() {
+            overrides.push(Override::new("render.layers", format!("[{:?}]", order.layer)));
+        }
+        let scene = import::load(order.scene, &overrides)?.scene;
+        let name = format!("{}-{}", file_stem(&order.label), &digest(order, &scene.hash, threads)[..12]);
+        Ok(Wanted { order, scene, path: Path::new(FOLDER).join(name) })
     }
-    let scene = import::load(order.scene, &overrides)?.scene;
-    let name = format!("{}-{}", order.label, &digest(order, &scene.hash, threads)[..12]);
-    let path = Path::new(FOLDER).join(name);
-    if let Some(known) = find(&folder.join(&path)) {
-        let (record, image) = known;
-        return Ok(Finished { image, record, path });
+
+    /// The render in the report's `folder`; anything less than a whole one is rendered again.
+    pub fn find(&self, folder: &Path) -> Option<Finished> {
+        let path = folder.join(&self.path);
+        let record = std::fs::read(path.with_extension("json")).ok()?;
+        let record = serde_json::from_slice(&record).ok()?;
+        let image = exr::read_file(&path.with_extension("exr")).ok()?.image;
+        Some(Finished { image, record, path: self.path.clone() })
     }
-    let (image, record) = rendered(order, World::new(scene)?)?;
-    keep(&folder.join(&path), &image, &record, order.white)?;
-    Ok(Finished { image, record, path })
+
+    /// Renders it and puts it into `folder`.
+    pub fn make(self, folder: &Path) -> Result<Finished, StudyError> {
+        let (image, record) = rendered(self.order, World::new(self.scene)?)?;
+        keep(&folder.join(&self.path), &image, &record, self.order.white)?;
+        Ok(Finished { image, record, path: self.path })
+    }
+}
+
+/// `text` as a file's name: what is no letter, digit, point or underscore becomes a dash.
+pub fn file_stem(text: &str) -> String {
+    text.chars().map(|c| if c.is_alphanumeric() || ".-_".contains(c) { c } else { '-' }).collect()
 }
 
 fn digest(order: &Order, scene_hash: &str, threads: usize) -> String {
@@ -84,14 +110,6 @@ fn digest(order: &Order, scene_hash: &str, threads: usize) -> String {
     let timed = order.seconds.map(|seconds| (seconds, threads));
     let all = format!("{} {scene_hash} {} {timed:?}", program(), order.layer);
     blake3::hash(all.as_bytes()).to_hex().to_string()
-}
-
-/// A whole render at `path`, if there is one; anything less is rendered again.
-fn find(path: &Path) -> Option<(Record, Image)> {
-    let record = std::fs::read(path.with_extension("json")).ok()?;
-    let record = serde_json::from_slice(&record).ok()?;
-    let image = exr::read_file(&path.with_extension("exr")).ok()?.image;
-    Some((record, image))
 }
 
 fn rendered(order: &Order, world: World) -> Result<(Image, Record), StudyError> {
@@ -117,6 +135,7 @@ fn rendered(order: &Order, world: World) -> Result<(Image, Record), StudyError> 
             Method::PhotonMap => Some(rendered.report.photons.photons_emitted),
             Method::LightTrace => Some(settings.photons * u64::from(rendered.report.passes)),
         },
+        photons_stored: (settings.method == Method::PhotonMap).then_some(rendered.report.photons.photons_stored),
         backend: world.backend.describe(),
     };
     Ok((layer(&rendered.film.resolve(), order.layer), record))

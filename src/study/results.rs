@@ -85,6 +85,8 @@ pub struct Row {
     pub method: String,
     /// Photons (or light paths) of all passes together; eye paths' methods have none.
     pub photons: Option<u64>,
+    /// Those of them that the first seed's maps hold: light that missed the specular objects is in no map.
+    pub photons_stored: Option<u64>,
     pub passes: u32,
     /// None for methods without one.
     pub bandwidth: Option<Bandwidth>,

@@ -8,7 +8,7 @@ use super::fit::power_law;
 use super::method::{Method, Parameter};
 use super::plan::{BandwidthPlan, Budget, Experiment, ExperimentMethod, ReferencePlan, Study, StudyScene};
 use super::reference::{Reference, STEPS_A_PASS, Shelf, reference};
-use super::render::{Finished, Order, finished, program, write_pictures};
+use super::render::{Finished, Order, Wanted, file_stem, program, write_pictures};
 use super::results::{
     Bandwidth, COMPARED, Cell, Curve, CurvePoint, ExperimentResult, Mean, ReferenceResult, Results, Row, SCHEMA,
     SceneResult, Slope,
@@ -22,7 +22,7 @@ use crate::render::progress::Progress;
 /// see the search's tests.
 const TOLERANCE: f64 = 1.05;
 /// Evaluations that a search is expected to take, for the time that is left.
-const EXPECTED_EVALUATIONS: f64 = 8.0;
+const EXPECTED_EVALUATIONS: u64 = 10;
 
 /// Where a study puts its files and what it runs on.
 pub struct Place<'a> {
@@ -88,10 +88,10 @@ pub fn expected_steps(study: &Study, wanted: impl Fn(&Experiment) -> bool) -> u6
         let of = |m: &ExperimentMethod| -> u64 {
             let bandwidths = match &m.bandwidth {
                 BandwidthPlan::Best { .. } => EXPECTED_EVALUATIONS,
-                BandwidthPlan::Each(list) => list.len() as f64,
-                BandwidthPlan::AsSet | BandwidthPlan::Schedule { .. } => 1.0,
+                BandwidthPlan::Each(list) => list.len() as u64,
+                BandwidthPlan::AsSet | BandwidthPlan::Schedule { .. } => 1,
             };
-            e.budgets.iter().map(|budget| (steps(*budget) as f64 * bandwidths) as u64).sum()
+            budgets(e, &study.methods[m.method]).into_iter().map(|budget| steps(budget) * bandwidths).sum::<u64>()
         };
         e.methods.iter().map(of).sum::<u64>() * e.scenes.len() as u64 * e.seeds.len() as u64
     };
@@ -136,7 +136,7 @@ impl<'a> Bench<'a> {
 
     fn result(&self) -> Result<SceneResult, StudyError> {
         let image = &self.reference.image;
-        let path = Path::new("references").join(&self.scene.name);
+        let path = Path::new("references").join(file_stem(&self.scene.name));
         let mut kept = image.clone();
         if let Some(mask) = &self.reference.mask {
             let samples = mask.iter().map(|&compared| f32::from(u8::from(compared))).collect();
@@ -175,7 +175,7 @@ impl<'a> Bench<'a> {
         let first = result.rows.len();
         for entry in &experiment.methods {
             let method = &self.study.methods[entry.method];
-            for &budget in &experiment.budgets {
+            for budget in budgets(experiment, method) {
                 let series = Series { bench: self, judge: &judge, method, budget, seeds: &experiment.seeds };
                 let (rows, curve) = series.run(&entry.bandwidth)?;
                 result.curves.extend(curve);
@@ -207,6 +207,20 @@ impl<'a> Bench<'a> {
             row.rmse_ratio = rmse(row).map(|mean: Mean| mean.over(of));
         }
     }
+}
+
+/// The budgets of an experiment that differ for `method`: eye paths do without photons.
+fn budgets(experiment: &Experiment, method: &Method) -> Vec<Budget> {
+    let mut budgets = experiment.budgets.clone();
+    if method.traces_eye_paths_only() {
+        for budget in &mut budgets {
+            if let Budget::Seconds { photons, .. } = budget {
+                *photons = None;
+            }
+        }
+        budgets.dedup();
+    }
+    budgets
 }
 
 /// A method with one budget on one scene: the bandwidths are what is turned.
@@ -268,6 +282,8 @@ impl Series<'_> {
                 Ok::<_, StudyError>(point)
             })?;
         }
+        let unspent = EXPECTED_EVALUATIONS.saturating_sub(evaluations.len() as u64);
+        self.bench.place.progress.skip(unspent * self.seeds.len() as u64 * steps(self.budget));
         let best = |goal| search.best(goal);
         let curve = Curve {
             scene: self.bench.scene.name.clone(),
@@ -323,14 +339,25 @@ impl Series<'_> {
                 white: bench.scene.white,
                 label: format!("{}-{}", bench.scene.name, self.method.name),
             };
-            bench.place.progress.phase(&self.title(bandwidth, seed), steps(self.budget));
-            let render = finished(&order, bench.place.folder, bench.place.threads)?;
-            bench.place.progress.finish();
+            let render = self.find_or_make(&order, &self.title(bandwidth, seed))?;
             let metrics = self.judge.quick_metrics(&render.image, &order.label)?;
             cells.push(Cell { seed, seconds: render.record.seconds, passes: render.record.passes, metrics });
             all.push(render);
         }
         Ok(Evaluation { bandwidth, settings, finished: all, cells })
+    }
+
+    fn find_or_make(&self, order: &Order, title: &str) -> Result<Finished, StudyError> {
+        let Place { folder, threads, progress, .. } = *self.bench.place;
+        let wanted = Wanted::new(order, threads)?;
+        if let Some(known) = wanted.find(folder) {
+            progress.skip(steps(self.budget));
+            return Ok(known);
+        }
+        progress.phase(title, steps(self.budget));
+        let made = wanted.make(folder)?;
+        progress.finish();
+        Ok(made)
     }
 
     /// Photons of each pass, so that all passes together emit `n`.
@@ -379,6 +406,7 @@ impl Series<'_> {
                 Budget::Photons(_) => None,
                 Budget::Seconds { .. } => first.and_then(|f| f.record.photons),
             },
+            photons_stored: first.and_then(|f| f.record.photons_stored),
             passes: first.map_or(0, |f| f.record.passes),
             bandwidth: self
                 .method

@@ -7,3 +7,4 @@ mod exr;
 mod peers;
 mod closed_form_scenes;
 mod refraction;
+mod study_tables;
