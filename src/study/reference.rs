@@ -91,9 +91,8 @@ fn rendered(
     let start = Instant::now();
     let (mut sum, mut about, mut notes) = (None::<Moments>, Vec::new(), Vec::new());
     let mut mask = None;
-    for (i, part) in parts.iter().enumerate() {
-        let label = format!("{}-{i}", file_stem(&scene.name));
-        let plan = PartPlan::new(scene, part, file, &label)?;
+    for part in parts {
+        let plan = PartPlan::new(scene, part, file)?;
         let (moments, note) = plan.finish(shelf, progress)?;
         notes.extend(note);
         about.push(plan.about(part, &moments));
@@ -126,7 +125,7 @@ struct PartPlan {
 }
 
 impl PartPlan {
-    fn new(scene: &StudyScene, part: &ReferencePart, file: &Path, label: &str) -> Result<PartPlan, StudyError> {
+    fn new(scene: &StudyScene, part: &ReferencePart, file: &Path) -> Result<PartPlan, StudyError> {
         let mut overrides = [scene.overrides.clone(), part.overrides.clone()].concat();
         // The digest must not depend on how many passes are wanted: they are added to those that are there.
         overrides.push(Override::new("render.passes", "1"));
@@ -134,7 +133,10 @@ impl PartPlan {
             overrides.push(Override::new("render.layers", format!("[{:?}]", part.layer)));
         }
         let scene_read = import::load(file, &overrides)?.scene;
-        let (layer, label, white) = (part.layer.clone(), label.to_owned(), scene.white);
+        let what = if part.layer.is_empty() { "beauty" } else { &part.layer };
+        // Scenes of a study that differ in how they are looked at share the part.
+        let stem = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let (layer, label, white) = (part.layer.clone(), file_stem(&format!("{stem}-{what}")), scene.white);
         Ok(PartPlan { scene: scene_read, layer, passes: part.passes, label, white })
     }
 
