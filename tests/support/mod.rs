@@ -14,4 +14,5 @@ pub mod quartet;
 pub mod source;
 pub mod special;
 pub mod statistics;
+pub mod study;
 pub mod worlds;
