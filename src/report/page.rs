@@ -5,6 +5,7 @@ use std::path::Path;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::picture::{WORST, data_uri, gradient, with_ending, write_error_map};
+use super::plot::Plot;
 use super::table::{bandwidth, grouped, significant};
 use super::{ReportError, plot, table};
 use crate::study::results::{ExperimentResult, Results, Row, SceneResult};
@@ -64,6 +65,7 @@ fn section(
                 p { "Errors are measured in the pixels from (" (x0) ", " (y0) ") to (" (x1) ", " (y1) ")." }
             }
             (table::rows(experiment))
+            (table::published(experiment))
             (table::slopes(experiment))
             @for part in parts { (part) }
         }
@@ -95,7 +97,8 @@ fn of_scene(folder: &Path, experiment: &ExperimentResult, scene: &SceneResult) -
     }
     let size = [scene.width, scene.height];
     Ok(html! {
-        @if !plots.is_empty() { div.plots { @for svg in &plots { figure { (PreEscaped(svg)) } } } }
+        h3 { (scene.name) }
+        @if !plots.is_empty() { div.plots { @for plot in &plots { (figure(plot)) } } }
         div.pictures {
             @for picture in &pictures { (tile(picture, size, experiment.crop)) }
         }
@@ -106,6 +109,16 @@ fn of_scene(folder: &Path, experiment: &ExperimentResult, scene: &SceneResult) -
         }
         (slider(size))
     })
+}
+
+fn figure(plot: &Plot) -> Markup {
+    html! {
+        figure {
+            h4 { (plot.title) }
+            (PreEscaped(&plot.svg))
+            ul { @for key in &plot.legend { li { span style={ "color: " (key.colour) } { (key.mark) } " " (key.text) } } }
+        }
+    }
 }
 
 struct Picture {
@@ -172,18 +185,20 @@ fn method_of_measurement(results: &Results) -> Markup {
                 (results.program) ", " (results.backend) ", " (results.threads) " threads. Files: results.json, results.csv, "
                 "and of every picture an EXR and a PNG."
             }
-            table {
-                thead { tr { th { "scene" } th { "pixels" } th { "layer" } th { "white" } th { "reference" } th { "its error" } th { "compared" } } }
-                tbody {
-                    @for scene in &results.scenes {
-                        tr {
-                            th scope="row" { (scene.name) br; small { (scene.file.display()) } }
-                            td { (scene.width) " × " (scene.height) }
-                            td { @if scene.layer.is_empty() { "beauty" } @else { (scene.layer) } }
-                            td data-value=(scene.white) { (significant(scene.white, 4)) }
-                            td.text { (scene.reference.about) }
-                            td data-value=(scene.reference.standard_error) { (significant(scene.reference.standard_error, 2)) }
-                            td data-value=(scene.reference.pixels_compared) { (grouped(scene.reference.pixels_compared)) }
+            div.wide {
+                table {
+                    thead { tr { th { "scene" } th { "pixels" } th { "layer" } th { "white" } th { "reference" } th { "its error" } th { "compared" } } }
+                    tbody {
+                        @for scene in &results.scenes {
+                            tr {
+                                th scope="row" { (scene.name) br; small { (scene.file.display()) } }
+                                td { (scene.width) " × " (scene.height) }
+                                td { @if scene.layer.is_empty() { "beauty" } @else { (scene.layer) } }
+                                td data-value=(scene.white) { (significant(scene.white, 4)) }
+                                td.text { (scene.reference.about) }
+                                td data-value=(scene.reference.standard_error) { (significant(scene.reference.standard_error, 2)) }
+                                td data-value=(scene.reference.pixels_compared) { (grouped(scene.reference.pixels_compared)) }
+                            }
                         }
                     }
                 }

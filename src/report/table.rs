@@ -29,12 +29,11 @@ pub(super) fn significant(v: f64, digits: usize) -> String {
     if v == 0.0 || !v.is_finite() {
         return format!("{v}");
     }
-    let decimals = digits as i32 - 1 - v.abs().log10().floor() as i32;
-    if decimals > 7 {
-        format!("{v:.*e}", digits.saturating_sub(1))
-    } else {
-        format!("{v:.*}", decimals.max(0) as usize)
-    }
+    // The exponent after rounding: 0.00996 has one digit as 0.01.
+    let rounded = format!("{v:.*e}", digits.saturating_sub(1));
+    let exponent = rounded.split_once('e').and_then(|(_, e)| e.parse().ok()).unwrap_or(0);
+    let decimals = digits as i32 - 1 - exponent;
+    if decimals > 7 { rounded } else { format!("{v:.*}", decimals.max(0) as usize) }
 }
 
 /// A count with thin spaces between the thousands.
@@ -44,17 +43,22 @@ pub(super) fn grouped(n: u64) -> String {
     chunks.join("\u{202f}")
 }
 
-/// The bandwidth as text: `k = 280`.
+/// The bandwidth as text that stays on one line: `k = 280`.
 pub(super) fn bandwidth(row: &Row) -> String {
-    row.bandwidth.as_ref().map_or_else(|| "–".to_owned(), |b| format!("{} = {}", b.name, significant(b.value, 3)))
+    row.bandwidth
+        .as_ref()
+        .map_or_else(|| "–".to_owned(), |b| format!("{}\u{a0}=\u{a0}{}", b.name, significant(b.value, 3)))
 }
 
 pub(super) fn rows(experiment: &ExperimentResult) -> Markup {
-    let published = experiment.rows.iter().any(|row| !row.published.is_empty());
     let ratio = experiment.rows.iter().any(|row| row.rmse_ratio.is_some());
+    let name = names(experiment);
     html! {
+        @if let Some(seeds) = experiment.rows.first().map(|row| row.cells.len()).filter(|&seeds| seeds > 1) {
+            p { "Means over " (seeds) " seeds ± their standard errors." }
+        }
         div.wide {
-            table {
+            table.rows {
                 thead {
                     tr {
                         th { "method" }
@@ -62,9 +66,7 @@ pub(super) fn rows(experiment: &ExperimentResult) -> Markup {
                         th { "passes" }
                         th { "bandwidth" }
                         th { "best for" }
-                        @if published { th { "RMSE published" } }
                         th { "RMSE" }
-                        @if published { th { "SSIM published" } }
                         th { "SSIM" }
                         th { "relMSE" }
                         th { "MAE" }
@@ -74,27 +76,35 @@ pub(super) fn rows(experiment: &ExperimentResult) -> Markup {
                         @if ratio { th { "RMSE / baseline" } }
                     }
                 }
-                tbody { @for row in &experiment.rows { (line(row, published, ratio)) } }
+                tbody { @for row in &experiment.rows { (line(row, &name(row), ratio)) } }
             }
         }
     }
 }
 
-fn line(row: &Row, published: bool, ratio: bool) -> Markup {
-    let said = |name: &str| row.published.get(name).copied();
+/// How a table calls a row: by the method, and by the scene where there are several.
+fn names(experiment: &ExperimentResult) -> impl Fn(&Row) -> String {
+    let first = experiment.rows.first().map(|row| row.scene.clone());
+    let several = experiment.rows.iter().any(|row| Some(&row.scene) != first.as_ref());
+    move |row| if several { format!("{}: {}", row.scene, row.method) } else { row.method.clone() }
+}
+
+fn photons(row: &Row) -> Markup {
+    plain(row.photons.map(|n| n as f64), |n| grouped(n as u64))
+}
+
+fn line(row: &Row, name: &str, ratio: bool) -> Markup {
     html! {
         tr {
-            th scope="row" { (row.method) @if row.cells.len() > 1 { small { " " (row.cells.len()) " seeds" } } }
-            (plain(row.photons.map(|n| n as f64), |n| grouped(n as u64)))
+            th scope="row" { (name) }
+            (photons(row))
             (plain(Some(row.passes.into()), |n| n.to_string()))
             (match &row.bandwidth {
                 Some(b) => html! { td data-value=(b.value) { (bandwidth(row)) } },
                 None => html! { td { "–" } },
             })
             td { (row.chosen_for) }
-            @if published { (plain(said("rmse"), |v| format!("{v}"))) }
             (mean(row.mean(|m| Some(m.rmse)), 3))
-            @if published { (plain(said("ssim"), |v| format!("{v}"))) }
             (mean(row.mean(|m| m.ssim), 4))
             (mean(row.mean(|m| Some(m.rel_mse)), 3))
             (mean(row.mean(|m| Some(m.mae)), 3))
@@ -106,18 +116,82 @@ fn line(row: &Row, published: bool, ratio: bool) -> Markup {
     }
 }
 
+/// Published values beside ours at the bandwidth that is best for each, and beside the ratios between methods.
+pub(super) fn published(experiment: &ExperimentResult) -> Markup {
+    let name = names(experiment);
+    let same = |a: &Row, b: &Row| (&a.scene, &a.method, a.photons) == (&b.scene, &b.method, b.photons);
+    let rows: Vec<&Row> = experiment.rows.iter().filter(|row| !row.published.is_empty()).collect();
+    let firsts: Vec<&Row> = rows
+        .iter()
+        .enumerate()
+        .filter(|&(i, row)| !rows[..i].iter().any(|r| same(r, row)))
+        .map(|(_, &row)| row)
+        .collect();
+    let best = |of: &Row, metric: &str, value: &dyn Fn(&Row) -> Option<Mean>, sign: f64| {
+        let mine = rows.iter().filter(|row| same(row, of));
+        let found = mine.filter_map(|&row| Some((*row.published.get(metric)?, value(row)?, row)));
+        found.min_by(|a, b| (sign * a.1.value).total_cmp(&(sign * b.1.value)))
+    };
+    let rmse = |row: &Row| best(row, "rmse", &|row| row.mean(|m| Some(m.rmse)), 1.0);
+    let ssim = |row: &Row| best(row, "ssim", &|row| row.mean(|m| m.ssim), -1.0);
+    // The baseline is the row that is its own measure.
+    let is_baseline = |row: &Row| row.rmse_ratio.is_some_and(|ratio| ratio.value == 1.0);
+    let baseline =
+        |of: &Row| rows.iter().find(|row| row.scene == of.scene && is_baseline(row))?.published.get("rmse").copied();
+    let ratio = firsts.iter().any(|row| baseline(row).is_some());
+    html! {
+        @if !firsts.is_empty() {
+            h3 { "Published values and those found here" }
+            div.wide {
+                table.published {
+                    thead {
+                        tr {
+                            th rowspan="2" { "method" }
+                            th rowspan="2" { "photons" }
+                            th colspan="2" { "RMSE" }
+                            th colspan="2" { "SSIM" }
+                            @if ratio { th colspan="2" { "RMSE / baseline" } }
+                        }
+                        tr { @for _ in 0..if ratio { 3 } else { 2 } { th { "published" } th { "here" } } }
+                    }
+                    tbody {
+                        @for row in &firsts {
+                            @let (rmse, ssim) = (rmse(row), ssim(row));
+                            tr {
+                                th scope="row" { (name(row)) }
+                                (photons(row))
+                                (plain(rmse.map(|r| r.0), |v| v.to_string()))
+                                (mean(rmse.map(|r| r.1), 3))
+                                (plain(ssim.map(|s| s.0), |v| v.to_string()))
+                                (mean(ssim.map(|s| s.1), 4))
+                                @if ratio {
+                                    (plain(rmse.and_then(|r| Some(r.0 / baseline(row)?)), |v| significant(v, 3)))
+                                    (mean(rmse.and_then(|r| r.2.rmse_ratio), 3))
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 pub(super) fn slopes(experiment: &ExperimentResult) -> Markup {
     html! {
         @if !experiment.slopes.is_empty() {
-            table {
-                thead { tr { th { "method" } th { "over" } th { "slope" } th { "95 % ±" } } }
-                tbody {
-                    @for slope in &experiment.slopes {
-                        tr {
-                            th scope="row" { (slope.method) }
-                            td { (slope.over) }
-                            (plain(Some(slope.slope), |v| format!("{v:.3}")))
-                            (plain(slope.half_width, |v| format!("{v:.3}")))
+            h3 { "Order of convergence" }
+            div.wide {
+                table.slopes {
+                    thead { tr { th { "method" } th { "over" } th { "slope" } th { "95 % ±" } } }
+                    tbody {
+                        @for slope in &experiment.slopes {
+                            tr {
+                                th scope="row" { (slope.method) }
+                                td { (slope.over) }
+                                (plain(Some(slope.slope), |v| format!("{v:.3}")))
+                                (plain(slope.half_width, |v| format!("{v:.3}")))
+                            }
                         }
                     }
                 }
@@ -135,6 +209,7 @@ mod tests {
         assert_eq!(significant(0.068_61, 3), "0.0686");
         assert_eq!(significant(1234.5, 2), "1234");
         assert_eq!(significant(1.0, 3), "1.00");
+        assert_eq!(significant(0.009_96, 1), "0.01");
         assert_eq!(significant(3.2e-9, 2), "3.2e-9");
         assert_eq!(grouped(1_000_000), "1\u{202f}000\u{202f}000");
         assert_eq!(grouped(70), "70");

@@ -31,7 +31,8 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / n;
     let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
     let sxx: f64 = logs.iter().map(|(x, _)| (x - mx).powi(2)).sum();
-    if sxx.is_nan() || sxx <= 0.0 {
+    // The mean of equal numbers is not always that number.
+    if sxx.is_nan() || sxx <= 0.0 || logs.iter().all(|p| p.0 == logs[0].0) {
         return None;
     }
     let slope = logs.iter().map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / sxx;
@@ -57,6 +58,7 @@ mod tests {
         assert!(law.half_width.expect("four points") < 1e-10);
         assert_eq!(power_law(&points[..2]).expect("a line").half_width, None);
         assert_eq!(power_law(&points[..1]), None);
+        assert_eq!(power_law(&[(500.0, 1.0), (500.0, 2.0), (500.0, 3.0)]), None);
         assert_eq!(power_law(&[(1.0, 1.0), (2.0, 0.0)]), None);
     }
 

@@ -16,7 +16,7 @@ pub(super) fn flip_ldr(a: Rgb, b: Rgb, size: [u32; 2], mask: Option<&[bool]>, ex
 /// Mean HDR FLIP: the pixel's largest LDR FLIP over exposures a stop or less apart, tone-mapped as films are.
 pub(super) fn flip_hdr(a: Rgb, b: Rgb, size: [u32; 2], mask: Option<&[bool]>) -> Option<f64> {
     let [start, stop] = exposures(b)?;
-    let count = ((stop - start).ceil() as usize).max(2);
+    let count = number(start, stop);
     let mut worst = vec![0.0f32; b[0].len()];
     for i in 0..count {
         let gain = (start + (stop - start) * i as f64 / (count - 1) as f64).exp2();
@@ -51,7 +51,7 @@ const TARGET: f64 = 0.85;
 const DARKEST: f64 = f32::EPSILON as f64;
 
 /// First and last exposure, in stops: that which brings the reference's brightest pixel to [`TARGET`], and that which
-/// does so with its median. `None` where the reference is black.
+/// does so with its median (the upper one of an even number, as flip-evaluator 1.7 has it). `None` where the reference is black.
 fn exposures(reference: Rgb) -> Option<[f64; 2]> {
     let [a, b, c, d, e, f] = CURVE;
     // tone(x) = t.
@@ -64,8 +64,13 @@ fn exposures(reference: Rgb) -> Option<[f64; 2]> {
     let mut all: Vec<f64> = (0..r.len()).map(luminance).collect();
     all.sort_by(f64::total_cmp);
     let brightest = *all.last()?;
-    let median = all[(all.len() / 2).saturating_sub(1)].max(DARKEST);
+    let median = all[all.len() / 2].max(DARKEST);
     (brightest > 0.0).then(|| [(x / brightest).log2(), (x / median).log2()])
+}
+
+/// How many exposures there are from `start` to `stop`.
+fn number(start: f64, stop: f64) -> usize {
+    ((stop - start).ceil() as usize).max(2)
 }
 
 #[cfg(not(feature = "flip"))]
@@ -95,7 +100,32 @@ mod tests {
         let grey = [0.5f32, 8.0, 2.0, 0.25];
         let [start, stop] = exposures([&grey; 3]).expect("not black");
         assert!((tone(8.0 * start.exp2()) - TARGET).abs() < 1e-12);
-        assert!((tone(0.5 * stop.exp2()) - TARGET).abs() < 1e-12);
+        // Of four values the third one is the median.
+        assert!((tone(2.0 * stop.exp2()) - TARGET).abs() < 1e-12);
         assert_eq!(exposures([&[0.0f32; 4]; 3]), None);
+    }
+
+    /// Width, height, squarings and gain of the pictures of tests/support/metric_reference.py, and what flip-evaluator 1.7
+    /// looks at; it prints f32.
+    #[test]
+    fn exposures_are_those_of_the_authors() {
+        let theirs = [
+            ([61, 43, 0], 4.0, [-0.89398, 0.08457], 2),
+            ([61, 43, 2], 16.0, [-2.82582, -0.01494], 3),
+            ([64, 48, 2], 16.0, [-2.91670, 0.00398], 3),
+            ([64, 48, 3], 4096.0, [-10.91670, -6.37998], 5),
+            ([97, 30, 1], 0.25, [3.12222, 4.91418], 2),
+            ([30, 97, 3], 100.0, [-5.56056, -0.97941], 5),
+        ];
+        for ([width, height, squarings], gain, expected, count) in theirs {
+            let value = |i: i32, c: i32| {
+                let v = f64::from((i % width * (c + 1) + 3 * (i / width)) % 65) / 64.0;
+                ((0..squarings).fold(v, |v, _| v * v) * gain) as f32
+            };
+            let channels = [0, 1, 2].map(|c| (0..width * height).map(|i| value(i, c)).collect::<Vec<f32>>());
+            let [start, stop] = exposures(channels.each_ref().map(Vec::as_slice)).expect("not black");
+            let miss = (start - expected[0]).abs().max((stop - expected[1]).abs());
+            assert!(miss < 1e-5 && number(start, stop) == count, "{start} to {stop} is not {expected:?}");
+        }
     }
 }

@@ -216,8 +216,10 @@ impl PartPlan {
         }
         let file = exr::read_file(path)?;
         let refused = |reason: String| StudyError::ReferenceRefused { path: path.to_owned(), reason };
-        let attribute =
-            |name: &str| file.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str());
+        let attribute = |name: &str| {
+            let mine = |(key, _): &&(String, String)| key.strip_prefix("pdembree/") == Some(name);
+            file.attributes.iter().find(mine).map(|(_, value)| value.as_str())
+        };
         match attribute("sceneHash") {
             Some(hash) if hash == self.scene.hash => {}
             Some(_) => return Err(refused("this reference was made from another scene or other settings".to_owned())),

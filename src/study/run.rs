@@ -449,7 +449,12 @@ fn slopes(rows: &[Row]) -> Vec<Slope> {
         let mine = |row: &&Row| row.scene == scene && row.method == method && row.chosen_for != "ssim";
         let point = |row: &Row| Some((x(row)?, row.mean(|m| Some(m.rmse_linear))?.value));
         let points: Vec<(f64, f64)> = rows.iter().filter(mine).filter_map(point).collect();
-        let law = power_law(&points).filter(|_| points.len() > 2)?;
+        // Three bandwidths of the same photons are no law.
+        let work = |row: &Row| row.photons.map_or(row.seconds(), |n| n as f64);
+        let mut amounts: Vec<f64> = rows.iter().filter(mine).map(work).collect();
+        amounts.sort_by(f64::total_cmp);
+        amounts.dedup();
+        let law = power_law(&points).filter(|_| amounts.len() > 2)?;
         let (scene, method, over) = (scene.to_owned(), method.to_owned(), over.to_owned());
         Some(Slope { scene, method, over, slope: law.slope, half_width: law.half_width, intercept: law.intercept })
     };

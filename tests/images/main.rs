@@ -4,6 +4,7 @@
 mod support;
 
 mod exr;
+mod page;
 mod peers;
 mod closed_form_scenes;
 mod refraction;

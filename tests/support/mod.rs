@@ -1,6 +1,7 @@
 //! Helpers that the test binaries share; each includes this folder by `#[path]`.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub mod browser;
 pub mod closed_form;
 pub mod bsdf;
 pub mod chi2;
@@ -14,4 +15,5 @@ pub mod quartet;
 pub mod source;
 pub mod special;
 pub mod statistics;
+pub mod study;
 pub mod worlds;
