@@ -9,6 +9,7 @@ mod closed_form;
 mod differential_chains;
 mod differential_vectors;
 mod discrete;
+mod exact;
 mod film;
 mod interaction;
 mod light_assembly;

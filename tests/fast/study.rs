@@ -4,13 +4,12 @@ use std::path::Path;
 
 use pdembree::output::exr;
 use pdembree::render::progress::Silent;
+use pdembree::study::StudyError;
 use pdembree::study::file;
 use pdembree::study::plan::{BandwidthPlan, Budget, Study};
 use pdembree::study::reference::{Reference, Shelf, reference};
 use pdembree::study::results::Results;
-use pdembree::study::{StudyError, exact};
 
-use crate::support::closed_form::wave;
 use crate::support::data::root;
 use crate::support::study::{SCENE, STUDY, folder, results, run};
 
@@ -35,8 +34,8 @@ fn a_study_file_is_read_as_it_is_written() {
 
 #[test]
 fn the_studies_of_scenes_are_read() {
-    for name in ["refraction", "reflection"] {
-        let path = root().join("scenes").join(name).join("study.toml");
+    for name in ["refraction/study.toml", "reflection/study.toml", "ring/floor_study.toml"] {
+        let path = root().join("scenes").join(name);
         let study = file::read(&path).unwrap_or_else(|problems| panic!("{problems}"));
         for scene in &study.scenes {
             let file = study.folder.join(&scene.file);
@@ -146,43 +145,6 @@ fn pixels_that_show_a_mirror_are_masked() {
     let mask = reference_of(&study(STUDY, folder.path()), &own, &own).expect("a reference").mask.expect("a mask");
     let held = mask.iter().filter(|&&m| m).count();
     assert!(held > 24 * 16 / 4 && held < 24 * 16, "{held}");
-}
-
-/// The wave's picture from the scene file is that of the independent closed form, in every pixel.
-#[test]
-fn the_exact_wave_is_the_closed_form() {
-    for (file, fresnel) in [("scenes/tests/wave.toml", false), ("scenes/refraction/refraction.toml", true)] {
-        let scene = pdembree::import::load(&root().join(file), &[]).expect("a scene").scene;
-        let picture = exact::picture(exact::ClosedForm::Wave, &scene).expect("the wave");
-        let row = wave::averaged_row(picture.width as usize, fresnel);
-        for (i, radiance) in picture.radiance.iter().enumerate() {
-            let e = std::f64::consts::PI * radiance[1];
-            let expected = row[i % row.len()];
-            assert!((e - expected).abs() < 1e-7 * expected, "{file}, pixel {i}: {e} is not {expected}");
-        }
-        assert!(picture.error.iter().all(|e| e[1] < 1e-6));
-    }
-}
-
-#[test]
-fn a_scene_that_is_not_the_wave_is_refused_with_the_point() {
-    let refused = [
-        ("render.max_depth=4", "max_depth"),
-        ("render.max_bounces=1", "max_bounces"),
-        ("camera.filter=gaussian", "filter"),
-        ("camera.width=3", "more than the receiver"),
-        ("camera.position=[0, 0, 1]", "between the wave and the receiver"),
-        ("camera.up=[1, 0, 0]", "x to the right"),
-        ("lights.0.direction=[0, 0, 1]", "does not fall along -z"),
-        ("objects.0.waves=[{ amplitude = 0.25, wave_vector = [6.28, 0], phase = 0 }]", "phase"),
-        ("objects.0.material=receiver", "glass"),
-    ];
-    for (change, message) in refused {
-        let overrides = [change.parse().expect("an override")];
-        let scene = pdembree::import::load(&root().join("scenes/tests/wave.toml"), &overrides).expect("a scene").scene;
-        let error = exact::picture(exact::ClosedForm::Wave, &scene).expect_err(change).to_string();
-        assert!(error.contains(message), "{change}: {error}");
-    }
 }
 
 /// The whole command: rows, curves, slopes, files; what is there is not rendered again; the page holds the numbers.

@@ -15,6 +15,22 @@ pub fn transmittance(cos: f64, n: f64) -> f64 {
     1.0 - 0.5 * (s * s + p * p)
 }
 
+/// Fraction of unpolarised light that a smooth metal of index `eta` + i `k` reflects; `cos` of the incident angle.
+/// Fresnel's equations with the complex index N: rₛ = (cos − C)/(cos + C), rₚ = (N² cos − C)/(N² cos + C), C² = N² − sin².
+pub fn metal_reflectance(cos: f64, eta: f64, k: f64) -> f64 {
+    let n2 = [eta * eta - k * k, 2.0 * eta * k];
+    let c = root([n2[0] - (1.0 - cos * cos), n2[1]]);
+    let ratio =
+        |[a, b]: [f64; 2]| ((a - c[0]).powi(2) + (b - c[1]).powi(2)) / ((a + c[0]).powi(2) + (b + c[1]).powi(2));
+    0.5 * (ratio([cos, 0.0]) + ratio(n2.map(|x| x * cos)))
+}
+
+/// The square root of a + ib in the first quadrant, for b ≥ 0.
+fn root([a, b]: [f64; 2]) -> [f64; 2] {
+    let modulus = a.hypot(b);
+    [0.5 * (modulus + a), 0.5 * (modulus - a)].map(|x| x.max(0.0).sqrt())
+}
+
 /// A root of `f` between `a` and `b` to the last bit. Where `f` does not change sign between them it is the end where
 /// `f` is smaller: the root that rounding moved out.
 pub fn bisect(f: impl Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {

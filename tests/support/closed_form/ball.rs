@@ -55,3 +55,59 @@ pub fn mean_within(radius: f64, d: f64, n: f64) -> f64 {
     let h = bisect(|h| landing(h, d, n) + radius, 1e-9, 0.9);
     flux_fraction(h, n) * h * h / (radius * radius)
 }
+
+/// E at the distance `rho` from the axis on the plane at `d` under a beam of radius `beam`, inner reflections left out:
+/// the sum over all heights whose rays land there.
+pub fn irradiance(rho: f64, d: f64, n: f64, beam: f64) -> f64 {
+    const STEPS: u32 = 2000;
+    let step = 1e-6;
+    // Rays near the rim are turned by more than 90 degrees.
+    let lands = |h: f64| turn(h, n) < std::f64::consts::FRAC_PI_2;
+    let slope = |h: f64| (landing(h + step, d, n) - landing(h - step, d, n)) / (2.0 * step);
+    let mut sum = 0.0;
+    for side in [-rho, rho] {
+        let miss = |h: f64| landing(h, d, n) - side;
+        let at = |i: u32| beam * f64::from(i) / f64::from(STEPS);
+        let brackets = (0..STEPS).map(|i| (at(i), at(i + 1))).filter(|&(_, b)| lands(b));
+        for (a, b) in brackets.filter(|&(a, b)| miss(a).is_sign_positive() != miss(b).is_sign_positive()) {
+            let h = bisect(miss, a, b);
+            sum += passed(h, n) * h / (rho * slope(h).abs());
+        }
+    }
+    sum
+}
+
+/// Where the ray at height `h` meets the plane at `d` after `inner` reflections inside the ball, and on its outside with
+/// `None`: by vectors, from point to point. The second number is the fraction of the light that goes this way.
+pub fn traced(h: f64, d: f64, n: f64, inner: Option<u32>) -> Option<(f64, f64)> {
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let along = |a: [f64; 2], t: f64, b: [f64; 2]| [a[0] + t * b[0], a[1] + t * b[1]];
+    let reflect = |w: [f64; 2], p: [f64; 2]| along(w, -2.0 * dot(w, p), p);
+    // Snell's law with the normal `m` against `w`.
+    let refract = |w: [f64; 2], m: [f64; 2], eta: f64| {
+        let cos = -dot(w, m);
+        let cos_t = (1.0 - eta * eta * (1.0 - cos * cos)).sqrt();
+        along([eta * w[0], eta * w[1]], eta * cos - cos_t, m)
+    };
+    // Height and distance along the beam.
+    let (mut p, mut w) = ([h, -(1.0 - h * h).sqrt()], [0.0, 1.0]);
+    let t = transmittance(-dot(w, p), n);
+    let passed = match inner {
+        None => {
+            w = reflect(w, p);
+            1.0 - t
+        }
+        Some(inner) => {
+            w = refract(w, p, 1.0 / n);
+            p = along(p, -2.0 * dot(p, w), w);
+            for _ in 0..inner {
+                w = reflect(w, p);
+                p = along(p, -2.0 * dot(p, w), w);
+            }
+            let inside = transmittance(dot(w, p), 1.0 / n);
+            w = refract(w, [-p[0], -p[1]], n);
+            t * inside * (1.0 - inside).powi(inner as i32)
+        }
+    };
+    (w[1] > 0.0).then(|| (p[0] + (d - p[1]) / w[1] * w[0], passed))
+}
