@@ -286,7 +286,8 @@ fn rays_through_the_ball_land_where_they_should() {
                 assert_eq!(found.is_some(), expected.is_some(), "{passage:?}, {h}");
                 if let (Some(found), Some(expected)) = (found, expected) {
                     landed += usize::from(inner.is_some_and(|inner| inner > 0));
-                    let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (1.0 + b * b);
+                    // Far landings magnify the rounding of the direction.
+                    let close = |a: f64, b: f64| (a - b).abs() < 1e-8 * (1.0 + b * b);
                     assert!(close(found.0, expected.0) && close(found.1, expected.1), "{found:?} is not {expected:?}");
                 }
             }
@@ -323,7 +324,7 @@ fn the_exact_ball_lens_is_the_closed_form() {
     // On the axis, item 2 of PHOTON_DIFFERENTIALS 12.
     let narrow = picture(ClosedForm::BallLens, BALL, &["camera.width=0.001"]);
     let centre = irradiance(&narrow, 8, 8);
-    assert!((centre - 8.2944).abs() < 2e-3, "{centre}");
+    assert!((centre - 8.2944).abs() < 1e-3, "{centre}");
 }
 
 /// Item 4: what passes both interfaces is in the picture, to the last ray.
@@ -331,7 +332,7 @@ fn the_exact_ball_lens_is_the_closed_form() {
 fn the_ball_lens_keeps_its_light() {
     let expected = ball::flux_fraction(0.8, 1.5) * PI * 0.64;
     let found = flux(&picture(ClosedForm::BallLens, BALL_FLUX, &[]), 1.6, 1);
-    assert!((found - expected).abs() < 1e-8, "{found} is not {expected}");
+    assert!((found - expected).abs() < 1e-7, "{found} is not {expected}");
     let mean = flux(&picture(ClosedForm::BallLens, BALL, &[]), 0.1, 1) / 0.01;
     assert!((mean - 7.702797).abs() < 1e-5, "{mean}");
     // All of the light that is turned by less than 90 degrees and lands within 2 of the axis, by vectors.

@@ -86,14 +86,14 @@ fn agree(form: ClosedForm, file: &str, changes: &[&str], photons: u64) {
 fn light_tracing_finds_the_exact_ring() {
     let gold = ["materials.gold.type=conductor", "materials.gold.preset=gold", "objects.1.material=gold"];
     let changes = [&gold[..], &["camera.width=2.4"]].concat();
-    agree(ClosedForm::Ring, "scenes/tests/ring_floor.toml", &changes, 200_000);
+    agree(ClosedForm::Ring, "scenes/tests/ring_floor.toml", &changes, 80_000);
 }
 
 /// A beam wider than the ball: light that the outside mirrors and light that is reflected inside are in the picture.
 #[test]
 fn light_tracing_finds_the_exact_ball_lens() {
     let changes = ["render.max_depth=5", "camera.width=4", "lights.0.extent.radius=1.2"];
-    agree(ClosedForm::BallLens, "scenes/tests/ball_flux.toml", &changes, 200_000);
+    agree(ClosedForm::BallLens, "scenes/tests/ball_flux.toml", &changes, 80_000);
     // The same with folds, before the focus.
     let near = [
         "objects.1.centre=[0, -1.1, 0]",
@@ -101,5 +101,5 @@ fn light_tracing_finds_the_exact_ball_lens() {
         "camera.position=[0, -1.05, 0]",
         "camera.width=0.4",
     ];
-    agree(ClosedForm::BallLens, "scenes/tests/ball_flux.toml", &near, 200_000);
+    agree(ClosedForm::BallLens, "scenes/tests/ball_flux.toml", &near, 80_000);
 }

@@ -28,6 +28,9 @@ pub struct BallLens {
     pub most_inner: u32,
 }
 
+/// Parts of the beam in which light that lands in the picture is looked for.
+const CELLS: usize = 4096;
+
 /// How light goes by the ball.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passage {
@@ -45,6 +48,14 @@ pub struct ReceiverPicture {
     pub centre: [f64; 2],
     /// Pixels a radius.
     pub scale: f64,
+}
+
+impl ReceiverPicture {
+    /// Radii from the axis to the farthest corner.
+    fn reach(&self) -> f64 {
+        let far = |centre: f64, size: u32| centre.abs().max((f64::from(size) - centre).abs());
+        far(self.centre[0], self.pixels.width).hypot(far(self.centre[1], self.pixels.height)) / self.scale
+    }
 }
 
 impl BallLens {
@@ -80,20 +91,42 @@ impl BallLens {
         }
     }
 
-    /// E over the beam's, averaged over each pixel: the midpoint rule over i with `steps` steps.
+    /// Intervals of i that hold all light that lands within `reach` of the axis.
+    fn reaching(&self, passage: Passage, reach: f64) -> Vec<[f64; 2]> {
+        let border = |cell: usize| self.beam.asin() * cell as f64 / CELLS as f64;
+        let landings: Vec<Option<f64>> = (0..=CELLS).map(|cell| self.landing(border(cell), passage)).collect();
+        // A cell that crosses the picture may have both ends outside; a fold may dip in between: the neighbours count.
+        let near = |cell: usize| match (landings[cell], landings[cell + 1]) {
+            (Some(a), Some(b)) => a.min(b) <= reach && a.max(b) >= -reach,
+            (a, b) => a.is_some() != b.is_some(),
+        };
+        let near_or_beside = |cell: usize| (cell.saturating_sub(1)..(cell + 2).min(CELLS)).any(near);
+        (0..CELLS).filter(|&cell| near_or_beside(cell)).map(|cell| [border(cell), border(cell + 1)]).collect()
+    }
+
+    /// E over the beam's, averaged over each pixel: the midpoint rule over i with about `steps` steps for each passage.
     pub fn averages(&self, picture: &ReceiverPicture, steps: usize) -> Vec<f64> {
         let mut sums = vec![0.0; picture.pixels.count()];
-        let step = self.beam.asin() / steps as f64;
         for passage in self.passages() {
-            for i in (0..steps).map(|k| (k as f64 + 0.5) * step) {
-                let Some(radius) = self.landing(i, passage) else { continue };
-                // h dh, spread over the angles of a circle; pixels have an area of 1/scale².
-                let light = self.passed(i, passage) * i.sin() * i.cos() * step * picture.scale * picture.scale;
-                picture.pixels.circle(picture.centre, radius.abs() * picture.scale, |pixel, angle| {
-                    sums[pixel] += light * angle;
-                });
+            let cells = self.reaching(passage, picture.reach());
+            let each = steps.div_ceil(cells.len().max(1));
+            for [from, to] in cells {
+                let step = (to - from) / each as f64;
+                for i in (0..each).map(|k| from + (k as f64 + 0.5) * step) {
+                    self.add_circle(i, step, passage, picture, &mut sums);
+                }
             }
         }
         sums
+    }
+
+    /// Adds the light of the heights between i ± step/2 to the pixels that its circle meets.
+    fn add_circle(&self, i: f64, step: f64, passage: Passage, picture: &ReceiverPicture, sums: &mut [f64]) {
+        let Some(radius) = self.landing(i, passage) else { return };
+        // h dh, spread over the angles of a circle; pixels have an area of 1/scale².
+        let light = self.passed(i, passage) * i.sin() * i.cos() * step * picture.scale * picture.scale;
+        picture
+            .pixels
+            .circle(picture.centre, radius.abs() * picture.scale, |pixel, angle| sums[pixel] += light * angle);
     }
 }

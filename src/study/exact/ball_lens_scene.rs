@@ -10,7 +10,7 @@ use crate::scene::light::BeamExtent;
 use crate::scene::{Material, Scene};
 use crate::shape::{Shape, Sphere};
 
-/// Steps over the angle of incidence: more than a hundred circles a pixel where the picture is as wide as the ball.
+/// Steps over the angles of incidence whose light is in the picture: a hundred circles a pixel in one of 512².
 const STEPS: usize = 1 << 15;
 
 const OBJECTS: &str = "a ball and its receiver";

@@ -82,12 +82,14 @@ pub fn irradiance(rho: f64, d: f64, n: f64, beam: f64) -> f64 {
 pub fn traced(h: f64, d: f64, n: f64, inner: Option<u32>) -> Option<(f64, f64)> {
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let along = |a: [f64; 2], t: f64, b: [f64; 2]| [a[0] + t * b[0], a[1] + t * b[1]];
-    let reflect = |w: [f64; 2], p: [f64; 2]| along(w, -2.0 * dot(w, p), p);
+    // Back to length 1, or rounding would grow from bounce to bounce.
+    let unit = |a: [f64; 2]| a.map(|x| x / a[0].hypot(a[1]));
+    let reflect = |w: [f64; 2], p: [f64; 2]| unit(along(w, -2.0 * dot(w, p), p));
     // Snell's law with the normal `m` against `w`.
     let refract = |w: [f64; 2], m: [f64; 2], eta: f64| {
         let cos = -dot(w, m);
         let cos_t = (1.0 - eta * eta * (1.0 - cos * cos)).sqrt();
-        along([eta * w[0], eta * w[1]], eta * cos - cos_t, m)
+        unit(along([eta * w[0], eta * w[1]], eta * cos - cos_t, m))
     };
     // Height and distance along the beam.
     let (mut p, mut w) = ([h, -(1.0 - h * h).sqrt()], [0.0, 1.0]);
@@ -99,10 +101,10 @@ pub fn traced(h: f64, d: f64, n: f64, inner: Option<u32>) -> Option<(f64, f64)> 
         }
         Some(inner) => {
             w = refract(w, p, 1.0 / n);
-            p = along(p, -2.0 * dot(p, w), w);
+            p = unit(along(p, -2.0 * dot(p, w), w));
             for _ in 0..inner {
                 w = reflect(w, p);
-                p = along(p, -2.0 * dot(p, w), w);
+                p = unit(along(p, -2.0 * dot(p, w), w));
             }
             let inside = transmittance(dot(w, p), 1.0 / n);
             w = refract(w, [-p[0], -p[1]], n);
