@@ -96,7 +96,12 @@ fn photons(row: &Row) -> Markup {
 fn line(row: &Row, name: &str, ratio: bool) -> Markup {
     html! {
         tr {
-            th scope="row" { (name) }
+            th scope="row" {
+                (name)
+                @if let Some((emitted, stored)) = row.photons_emitted.zip(row.photons_stored) {
+                    br; small { (grouped(emitted)) " emitted, " (grouped(stored)) " stored" }
+                }
+            }
             (photons(row))
             (plain(Some(row.passes.into()), |n| n.to_string()))
             (match &row.bandwidth {

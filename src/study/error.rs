@@ -29,6 +29,10 @@ pub enum StudyError {
     OutsideThePicture { scene: String, what: &'static str, size: [u32; 2] },
     #[error("scene `{scene}`: the reference holds none of the pixels that are compared")]
     NothingToCompare { scene: String },
+    #[error(
+        "scene `{scene}`: no photon is stored, so that no number of them can be; give `photons` instead of `stored`"
+    )]
+    NothingStored { scene: String },
     #[error(transparent)]
     Read(#[from] ReadError),
     #[error(transparent)]

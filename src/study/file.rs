@@ -296,24 +296,24 @@ fn read_bandwidth(table: &Section<'_>, name: &str, value: &Spanned<DeValue<'_>>)
 }
 
 fn read_budgets(section: &Section<'_>) -> Vec<Budget> {
-    let photons = section.optional("photons", List(LARGE));
-    match section.optional("seconds", List(POSITIVE)) {
-        Some(seconds) => {
-            let counts: Vec<Option<u64>> = match photons {
-                Some(counts) => counts.into_iter().map(Some).collect(),
-                None => vec![None],
-            };
-            let timed =
-                |&seconds: &f64| counts.clone().into_iter().map(move |photons| Budget::Seconds { seconds, photons });
+    let [photons, stored] = ["photons", "stored"].map(|key| section.optional(key, List(LARGE)));
+    let seconds = section.optional("seconds", List(POSITIVE));
+    if stored.is_some() && (photons.is_some() || seconds.is_some()) {
+        let problem = Problem::new(format!("{} has two kinds of work", section.label()));
+        section.reader.report(problem.help("`stored` stands alone: remove it, or the others").at(&section.source()));
+    }
+    match (seconds, stored, photons) {
+        (Some(seconds), _, photons) => {
+            let counts = photons.map_or(vec![None], |counts| counts.into_iter().map(Some).collect());
+            let timed = |&seconds: &f64| counts.iter().map(move |&photons| Budget::Seconds { seconds, photons });
             seconds.iter().flat_map(timed).collect()
         }
-        None => match photons {
-            Some(counts) => counts.into_iter().map(Budget::Photons).collect(),
-            None => {
-                section.missing("photons", "the numbers of photons, or `seconds`");
-                Vec::new()
-            }
-        },
+        (None, Some(counts), _) => counts.into_iter().map(Budget::Stored).collect(),
+        (None, None, Some(counts)) => counts.into_iter().map(Budget::Photons).collect(),
+        (None, None, None) => {
+            section.missing("photons", "the numbers of photons, or `stored`, or `seconds`");
+            Vec::new()
+        }
     }
 }
 

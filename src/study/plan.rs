@@ -80,6 +80,8 @@ pub struct ExperimentMethod {
 pub enum Budget {
     /// Photons or light paths of all passes together; eye paths take what the scene's settings say.
     Photons(u64),
+    /// As many photons as it takes for the maps to hold so many: what misses the specular objects does not count.
+    Stored(u64),
     /// Passes until so many seconds are over. `photons` is the number in each pass.
     Seconds { seconds: f64, photons: Option<u64> },
 }

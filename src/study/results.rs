@@ -83,8 +83,11 @@ pub struct Bandwidth {
 pub struct Row {
     pub scene: String,
     pub method: String,
-    /// Photons (or light paths) of all passes together; eye paths' methods have none.
+    /// Photons (or light paths) of all passes together that the experiment asks for, emitted or stored; under a time
+    /// budget those that were emitted. Eye paths' methods have none.
     pub photons: Option<u64>,
+    /// Photons (or light paths) that the first seed emitted.
+    pub photons_emitted: Option<u64>,
     /// Those of them that the first seed's maps hold: light that missed the specular objects is in no map.
     pub photons_stored: Option<u64>,
     pub passes: u32,

@@ -1,5 +1,6 @@
 //! The conductor of a study: references, then every experiment's rows, each render looked up or made.
 
+use std::cell::OnceCell;
 use std::path::Path;
 
 use super::compare::{Judge, shown_error};
@@ -15,14 +16,19 @@ use super::results::{
 };
 use super::search::{Goal, Range, Search};
 use crate::film::Channel;
-use crate::import::Override;
-use crate::render::progress::Progress;
+use crate::import::{self, Override};
+use crate::render::photon_map;
+use crate::render::progress::{Progress, Silent};
+use crate::world::World;
 
 /// A search ends this near to where the best bandwidth seems to be: the error is then within 0.5 % of the least one,
 /// see the search's tests.
 const TOLERANCE: f64 = 1.05;
 /// Evaluations that a search is expected to take, for the time that is left.
 const EXPECTED_EVALUATIONS: u64 = 10;
+
+/// Photons that tell how many of them are stored: to a few in a thousand.
+const PILOTS: u64 = 200_000;
 
 /// Where a study puts its files and what it runs on.
 pub struct Place<'a> {
@@ -108,7 +114,7 @@ pub fn expected_steps(study: &Study, wanted: impl Fn(&Experiment) -> bool) -> u6
 fn steps(budget: Budget) -> u64 {
     match budget {
         Budget::Seconds { seconds, .. } => (10.0 * seconds).ceil() as u64,
-        Budget::Photons(n) => 10 + n / 4000,
+        Budget::Photons(n) | Budget::Stored(n) => 10 + n / 4000,
     }
 }
 
@@ -118,6 +124,8 @@ struct Bench<'a> {
     scene: &'a StudyScene,
     place: &'a Place<'a>,
     reference: Reference,
+    /// The part of the emitted photons that is stored, once it was measured.
+    stored_share: OnceCell<f64>,
 }
 
 /// All seeds of a method at one bandwidth.
@@ -131,7 +139,7 @@ struct Evaluation {
 impl<'a> Bench<'a> {
     fn new(study: &'a Study, scene: &'a StudyScene, place: &'a Place<'a>) -> Result<Bench<'a>, StudyError> {
         let reference = reference(scene, &study.folder, &place.references, place.progress)?;
-        Ok(Bench { study, scene, place, reference })
+        Ok(Bench { study, scene, place, reference, stored_share: OnceCell::new() })
     }
 
     fn result(&self) -> Result<SceneResult, StudyError> {
@@ -176,7 +184,14 @@ impl<'a> Bench<'a> {
         for entry in &experiment.methods {
             let method = &self.study.methods[entry.method];
             for budget in budgets(experiment, method) {
-                let series = Series { bench: self, judge: &judge, method, budget, seeds: &experiment.seeds };
+                let series = Series {
+                    bench: self,
+                    judge: &judge,
+                    method,
+                    asked: budget,
+                    budget: self.emitted(budget)?,
+                    seeds: &experiment.seeds,
+                };
                 let (rows, curve) = series.run(&entry.bandwidth)?;
                 result.curves.extend(curve);
                 for (chosen_for, evaluation) in rows {
@@ -189,6 +204,30 @@ impl<'a> Bench<'a> {
         }
         self.measure_against_baseline(experiment, &mut result.rows[first..]);
         Ok(())
+    }
+
+    /// The budget with photons that are to be stored turned into those that are to be emitted.
+    fn emitted(&self, budget: Budget) -> Result<Budget, StudyError> {
+        let Budget::Stored(n) = budget else { return Ok(budget) };
+        let share = match self.stored_share.get() {
+            Some(&share) => share,
+            None => {
+                let share = self.measure_stored_share()?;
+                *self.stored_share.get_or_init(|| share)
+            }
+        };
+        Ok(Budget::Photons((n as f64 / share).round() as u64))
+    }
+
+    fn measure_stored_share(&self) -> Result<f64, StudyError> {
+        let photons = Override::new("render.photons", PILOTS.to_string());
+        let overrides = [self.scene.overrides.clone(), vec![photons]].concat();
+        let scene = import::load(&self.study.folder.join(&self.scene.file), &overrides)?.scene;
+        let counts = photon_map::shoot(&World::new(scene)?, 0, &Silent).counts;
+        match counts.photons_stored {
+            0 => Err(StudyError::NothingStored { scene: self.scene.name.clone() }),
+            stored => Ok(stored as f64 / counts.photons_emitted as f64),
+        }
     }
 
     fn measure_against_baseline(&self, experiment: &Experiment, rows: &mut [Row]) {
@@ -223,11 +262,21 @@ fn budgets(experiment: &Experiment, method: &Method) -> Vec<Budget> {
     budgets
 }
 
+fn count(budget: Budget) -> Option<u64> {
+    match budget {
+        Budget::Photons(n) | Budget::Stored(n) => Some(n),
+        Budget::Seconds { photons, .. } => photons,
+    }
+}
+
 /// A method with one budget on one scene: the bandwidths are what is turned.
 struct Series<'a> {
     bench: &'a Bench<'a>,
     judge: &'a Judge<'a>,
     method: &'a Method,
+    /// As the experiment has it.
+    asked: Budget,
+    /// In photons to emit, or seconds.
     budget: Budget,
     seeds: &'a [u64],
 }
@@ -257,10 +306,12 @@ impl Series<'_> {
 
     /// Photons that a schedule or a first guess goes by: all of them, or those of a pass under a time budget.
     fn photons(&self) -> Option<u64> {
-        match self.budget {
-            Budget::Photons(n) => Some(n),
-            Budget::Seconds { photons, .. } => photons,
-        }
+        count(self.budget)
+    }
+
+    /// The same as the experiment names it.
+    fn asked_photons(&self) -> Option<u64> {
+        count(self.asked)
     }
 
     fn search(&self, parameter: Parameter, low: f64, high: f64) -> Result<(Chosen, Curve), StudyError> {
@@ -288,7 +339,7 @@ impl Series<'_> {
         let curve = Curve {
             scene: self.bench.scene.name.clone(),
             method: self.method.name.clone(),
-            photons: self.photons(),
+            photons: self.asked_photons(),
             parameter: parameter.name().to_owned(),
             points: search.points().to_vec(),
             best_rmse: best(Goal::Rmse).unwrap_or(0),
@@ -317,7 +368,7 @@ impl Series<'_> {
         let mut settings = [bench.scene.overrides.clone(), self.method.overrides.clone()].concat();
         let mut seconds = None;
         match self.budget {
-            Budget::Photons(n) => settings.extend(self.share_of(n)),
+            Budget::Photons(n) | Budget::Stored(n) => settings.extend(self.share_of(n)),
             Budget::Seconds { seconds: limit, photons } => {
                 seconds = Some(limit);
                 settings.extend(photons.map(|n| Override::new("render.photons", n.to_string())));
@@ -371,7 +422,7 @@ impl Series<'_> {
 
     fn title(&self, bandwidth: Option<f64>, seed: u64) -> String {
         let budget = match self.budget {
-            Budget::Photons(n) => format!("{n} photons"),
+            Budget::Photons(n) | Budget::Stored(n) => format!("{n} photons"),
             Budget::Seconds { seconds, .. } => format!("{seconds} s"),
         };
         let parameter = match (self.method.parameter, bandwidth) {
@@ -388,7 +439,7 @@ impl Series<'_> {
         experiment: &Experiment,
         method: usize,
     ) -> Result<Row, StudyError> {
-        let photons = self.photons();
+        let photons = self.asked_photons();
         let here = |p: &&super::plan::Published| p.method == method && (p.photons.is_none() || p.photons == photons);
         let published = experiment.published.iter().find(here);
         let goal = |name: &str| chosen_for == "given" || chosen_for.contains(name);
@@ -401,11 +452,12 @@ impl Series<'_> {
         Ok(Row {
             scene: self.bench.scene.name.clone(),
             method: self.method.name.clone(),
-            photons: match self.budget {
-                Budget::Photons(n) if !self.method.traces_eye_paths_only() => Some(n),
-                Budget::Photons(_) => None,
+            photons: match self.asked {
+                _ if self.method.traces_eye_paths_only() => None,
+                Budget::Photons(n) | Budget::Stored(n) => Some(n),
                 Budget::Seconds { .. } => first.and_then(|f| f.record.photons),
             },
+            photons_emitted: first.and_then(|f| f.record.photons),
             photons_stored: first.and_then(|f| f.record.photons_stored),
             passes: first.map_or(0, |f| f.record.passes),
             bandwidth: self

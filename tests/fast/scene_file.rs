@@ -162,13 +162,18 @@ fn transforms_are_applied_last_to_first() {
 }
 
 /// Scene files below a folder.
+/// Studies lie beside the scenes that they are about.
+fn is_study(path: &Path) -> bool {
+    path.file_stem().is_some_and(|stem| stem.to_string_lossy().ends_with("study"))
+}
+
 fn scene_files(folder: &Path, found: &mut Vec<PathBuf>) {
     let entries = std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     for entry in entries {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
             scene_files(&path, found);
-        } else if path.extension().is_some_and(|e| e == "toml") {
+        } else if path.extension().is_some_and(|e| e == "toml") && !is_study(&path) {
             found.push(path);
         }
     }

@@ -34,7 +34,9 @@ fn a_study_file_is_read_as_it_is_written() {
 
 #[test]
 fn the_studies_of_scenes_are_read() {
-    for name in ["refraction/study.toml", "reflection/study.toml", "ring/floor_study.toml"] {
+    let studies =
+        ["refraction/bandwidth_study", "refraction/study", "reflection/study", "ring/study", "ring/floor_study"];
+    for name in studies.map(|name| format!("{name}.toml")) {
         let path = root().join("scenes").join(name);
         let study = file::read(&path).unwrap_or_else(|problems| panic!("{problems}"));
         for scene in &study.scenes {
@@ -57,6 +59,7 @@ fn what_is_wrong_with_a_study_is_told_with_its_place() {
         ("white = 0.4", "whit = 0.4", "did you mean `white`?"),
         ("white = 0.4", "exact = \"wave\"", "has two references"),
         ("format = 1", "format = 2", "version 1"),
+        ("photons = [500]", "photons = [500]\nstored = [500]", "two kinds of work"),
         ("set = [\"render.method=light\", \"render.photons=4000\"]", "set = [\"light\"]", "is not an override"),
         ("title = \"A mirror's light\"", "", "needs the key `title`"),
         ("seeds = [1, 2]", "seeds = []", "`seeds` must be an array"),
