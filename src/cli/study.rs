@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use pdembree::study::place::Place;
 use pdembree::study::plan::Experiment;
 use pdembree::study::reference::Shelf;
-use pdembree::study::run::{Place, Studied, expected_steps, run as run_study};
+use pdembree::study::run::{Studied, expected_steps, run as run_study};
 use pdembree::study::{StudyError, file};
 
 use super::console::{Verbosity, note};

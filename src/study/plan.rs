@@ -86,6 +86,32 @@ pub enum Budget {
     Seconds { seconds: f64, photons: Option<u64> },
 }
 
+impl Budget {
+    /// Photons of the row, under a time budget those of a pass.
+    pub fn photons(self) -> Option<u64> {
+        match self {
+            Budget::Photons(n) | Budget::Stored(n) => Some(n),
+            Budget::Seconds { photons, .. } => photons,
+        }
+    }
+}
+
+impl Experiment {
+    /// The budgets that differ for `method`: eye paths do without photons.
+    pub fn budgets_of(&self, method: &Method) -> Vec<Budget> {
+        let mut budgets = self.budgets.clone();
+        if method.traces_eye_paths_only() {
+            for budget in &mut budgets {
+                if let Budget::Seconds { photons, .. } = budget {
+                    *photons = None;
+                }
+            }
+            budgets.dedup();
+        }
+        budgets
+    }
+}
+
 /// Which bandwidths a method is given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BandwidthPlan {

@@ -6,10 +6,11 @@ use std::path::Path;
 use pdembree::render::progress::Silent;
 use pdembree::study::file;
 use pdembree::study::method::Method;
+use pdembree::study::place::Place;
 use pdembree::study::plan::{BandwidthPlan, Budget, Experiment, ExperimentMethod, Study};
 use pdembree::study::reference::Shelf;
 use pdembree::study::results::{Metrics, Results, Row};
-use pdembree::study::run::{Place, run};
+use pdembree::study::run::run;
 
 use crate::support::data::root;
 use crate::support::statistics::{Moments, assert_plausible, welch};
