@@ -4,8 +4,10 @@
 //! The LDR difference itself is the crate nv-flip's, on 8-bit sRGB at 67 pixels per degree; without the feature `flip`
 //! there is none.
 
-use super::metric::Rgb;
 use crate::output::png::srgb8;
+
+/// Three channels, row by row.
+pub(super) type Rgb<'a> = [&'a [f32]; 3];
 
 /// Mean LDR FLIP of the pictures times 2^`exposure` over the pixels that `mask` holds.
 pub(super) fn flip_ldr(a: Rgb, b: Rgb, size: [u32; 2], mask: Option<&[bool]>, exposure: f64) -> Option<f64> {

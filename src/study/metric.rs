@@ -3,7 +3,7 @@
 //! All are means over pixels and the three colour channels of linear values, unless a line says otherwise. A picture
 //! with NaN or infinite pixels, or of another size, has no metric: such pictures are refused, never skipped over.
 
-use super::flip::{flip_hdr, flip_ldr};
+use super::flip::{Rgb, flip_hdr, flip_ldr};
 use super::ssim::ssim;
 use crate::film::Image;
 use crate::output::png::srgb_encode;
@@ -96,8 +96,6 @@ impl std::fmt::Display for Which {
 fn channels(layer: &str) -> String {
     if layer.is_empty() { "R G B".to_owned() } else { format!("{layer}.R {layer}.G {layer}.B") }
 }
-
-pub(super) type Rgb<'a> = [&'a [f32]; 3];
 
 /// Compares `test` with `reference`.
 pub fn compare(test: &Image, reference: &Image, options: &Options) -> Result<Comparison, MetricError> {
