@@ -94,7 +94,7 @@ impl Series<'_> {
             })?;
         }
         let unspent = EXPECTED_EVALUATIONS.saturating_sub(evaluations.len() as u64);
-        self.place.progress.skip(unspent * self.seeds.len() as u64 * steps(self.budget));
+        self.place.progress.skip(unspent * self.seeds.len() as u64 * steps(self.asked));
         let best = |goal| search.best(goal);
         let curve = Curve {
             scene: self.scene.name.clone(),
@@ -161,10 +161,10 @@ impl Series<'_> {
         let Place { folder, threads, progress, .. } = *self.place;
         let wanted = Wanted::new(order, threads)?;
         if let Some(known) = wanted.find(folder) {
-            progress.skip(steps(self.budget));
+            progress.skip(steps(self.asked));
             return Ok(known);
         }
-        progress.phase(title, steps(self.budget));
+        progress.phase(title, steps(self.asked));
         let made = wanted.make(folder)?;
         progress.finish();
         Ok(made)
