@@ -1,7 +1,7 @@
 //! Pictures are compared with references, and methods with each other.
 //!
-//! The way through a study: a [`file`] is read into a [`plan`], [`run`](mod@run) sets up each scene with its
-//! [`reference`] (`bench`), renders what the plan names (`series`, [`render`], with the settings of a [`method`]), judges it
+//! The way through a study: a [`file`](mod@file) is read into a [`plan`], [`run`](mod@run) sets up each scene with its
+//! [`reference`](mod@reference) (`bench`), renders what the plan names (`series`, [`render`], with the settings of a [`method`]), judges it
 //! ([`compare`](mod@compare)) and fills the tables of [`results`]; [`search`] looks for the best bandwidth, [`fit`] for the order of convergence.
 
 mod bench;
