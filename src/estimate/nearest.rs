@@ -85,13 +85,15 @@ impl Discs<'_> {
         let mut radius = if self.guess > 0.0 { GUESS_MARGIN * self.guess } else { self.sorted(p) };
         loop {
             let photons = self.tree.query(p).within::<SquaredEuclidean<f64>>(radius * radius).unsorted().execute();
-            if photons.len() < self.k {
+            // Beyond all bounds there is nothing more to be found.
+            if photons.len() < self.k && radius.is_finite() {
                 radius *= if photons.len() > self.k / 4 { 1.0 + 1.0 / 3.0 } else { 2.0 };
                 continue;
             }
             self.distances.clear();
             self.distances.extend(photons.iter().map(|n| n.distance));
-            let (_, &mut radius2, _) = self.distances.select_nth_unstable_by(self.k - 1, f64::total_cmp);
+            let Some(last) = photons.len().min(self.k).checked_sub(1) else { return Disc { photons, radius2: 0.0 } };
+            let (_, &mut radius2, _) = self.distances.select_nth_unstable_by(last, f64::total_cmp);
             self.guess = radius2.sqrt();
             return Disc { photons, radius2 };
         }
@@ -131,6 +133,32 @@ mod tests {
         }
     }
 
+    /// A point's estimate has the same bits alone and after others, whose radii were guesses for it.
+    #[test]
+    fn the_guess_leaves_no_trace() {
+        let mut s = Stream::new(3, Purpose::Test, 0, 0);
+        let photons = (0..3000)
+            .map(|_| {
+                let p = Point3::new(s.uniform().powi(3), s.uniform(), 0.0);
+                Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), ObjectId(0))
+            })
+            .collect();
+        let map = PhotonMap::from_units(1, [(LightId(0), photons, PhotonCounts::default())]);
+        let nearest = NearestPhotons::new(&map);
+        let points: Vec<GatherPoint> =
+            (0..200).map(|_| point(Point3::new(2.0 * s.uniform(), s.uniform(), 0.0))).collect();
+        let together = nearest.gather(50, KernelShape::Epanechnikov, &points);
+        for (point, found) in points.iter().zip(together) {
+            assert_eq!(nearest.gather(50, KernelShape::Epanechnikov, &[*point])[0], found);
+        }
+    }
+
+    fn point(p: Point3) -> GatherPoint {
+        let n = Normal3::Z;
+        let bsdf = lambert_at(p, n, 1.0);
+        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All }
+    }
+
     fn one_density(n: u32, k: usize, kernel: KernelShape, seed: u64, trial: u64) -> f64 {
         let mut s = Stream::new(seed, Purpose::Test, 0, trial);
         let photons = (0..n)
@@ -140,9 +168,6 @@ mod tests {
             })
             .collect();
         let map = PhotonMap::from_units(1, [(LightId(0), photons, PhotonCounts::default())]);
-        let (p, n) = (Point3::new(0.5, 0.5, 0.0), Normal3::Z);
-        let bsdf = lambert_at(p, n, 1.0);
-        let point = GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All };
-        NearestPhotons::new(&map).gather(k, kernel, &[point])[0].density
+        NearestPhotons::new(&map).gather(k, kernel, &[point(Point3::new(0.5, 0.5, 0.0))])[0].density
     }
 }
