@@ -6,7 +6,7 @@ use pdembree::output::BirthCertificate;
 use pdembree::output::sidecar::{
     BackendIdentity, Phase, Program, RefusedSamples, SCHEMA, SceneIdentity, settings_by_name,
 };
-use pdembree::render::Rendered;
+use pdembree::render::RenderState;
 use pdembree::world::World;
 use serde::Serialize;
 
@@ -21,18 +21,14 @@ pub struct Circumstances {
     pub warnings: Vec<String>,
 }
 
-pub fn certificate(world: &World, rendered: &Rendered, circumstances: Circumstances) -> BirthCertificate {
-    let Rendered { film, report } = rendered;
+pub fn certificate(world: &World, rendered: &RenderState, circumstances: Circumstances) -> BirthCertificate {
+    let RenderState { film, report } = rendered;
     let settings = &world.scene.settings;
     let mut counters = counts(&report.photons);
     counters.insert("invalid_rays".to_owned(), report.invalid_rays);
     BirthCertificate {
         schema: SCHEMA,
-        program: Program {
-            name: env!("CARGO_PKG_NAME").to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            commit: option_env!("PDEMBREE_COMMIT").map(str::to_owned),
-        },
+        program: Program::this(),
         command: std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect(),
         scene: SceneIdentity { path: circumstances.scene, hash: world.scene.hash.clone() },
         resolution: world.scene.camera.resolution,

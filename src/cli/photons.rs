@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use pdembree::output::target::probe;
 use pdembree::output::{DumpedPhoton, photon_dump};
 use pdembree::photon::Photon;
-use pdembree::render::photon_map::shoot;
+use pdembree::render::photon_map::shoot_all;
 use pdembree::render::progress::Progress;
 
 use super::console::{Verbosity, note};
@@ -49,7 +49,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     args.work.start_threads()?;
     let reporter = args.work.reporter(verbosity, 2);
     let world = world(loaded.scene)?;
-    let map = shoot(&world, 0, &reporter);
+    let map = shoot_all(&world, 0, &reporter);
     reporter.phase("write", 1);
     let dumped: Vec<DumpedPhoton> = map.photons.iter().step_by(args.every.get()).map(dump).collect();
     photon_dump::write(&args.output, &dumped, args.segments.into())?;

@@ -8,7 +8,7 @@ use pdembree::output::sidecar::Phase;
 use pdembree::output::target::probe;
 use pdembree::output::{BirthCertificate, Format, Target, exr, png};
 use pdembree::render::progress::Progress;
-use pdembree::render::{Rendered, render};
+use pdembree::render::{RenderState, render};
 use pdembree::scene::RenderSettings;
 use pdembree::scene::settings::Method;
 use pdembree::world::World;
@@ -118,7 +118,7 @@ impl Outputs {
     fn write(
         &self,
         args: &Args,
-        rendered: &Rendered,
+        rendered: &RenderState,
         certificate: &BirthCertificate,
         progress: &dyn Progress,
     ) -> Result<(), Failure> {
@@ -139,7 +139,7 @@ impl Outputs {
 }
 
 /// What happened that the user should know: every fallback is told.
-fn findings(world: &World, rendered: &Rendered) -> Vec<String> {
+fn findings(world: &World, rendered: &RenderState) -> Vec<String> {
     let refused = rendered.film.refused();
     let photons = &rendered.report.photons;
     let mut found = Vec::new();

@@ -1,5 +1,6 @@
 //! The estimator that the settings name.
 
+use super::bandwidth::neighbours;
 use super::gather::{GatherPoint, Gathered, gather};
 use super::nearest::NearestPhotons;
 use crate::photon::PhotonMap;
@@ -13,12 +14,13 @@ pub enum Estimate<'a> {
 }
 
 impl<'a> Estimate<'a> {
-    pub fn new(map: &'a PhotonMap, settings: &'a RenderSettings) -> Estimate<'a> {
+    /// `map` holds the photons of pass `pass`.
+    pub fn new(map: &'a PhotonMap, settings: &'a RenderSettings, pass: u32) -> Estimate<'a> {
         match settings.estimator {
             Estimator::Differentials | Estimator::Progressive => Estimate::Footprints(map, settings),
             Estimator::NearestNeighbours => {
-                // A radius needs two photons.
-                Estimate::Nearest(NearestPhotons::new(map), settings.k.max(2) as usize, settings)
+                let k = neighbours(settings.k, settings.emission, pass);
+                Estimate::Nearest(NearestPhotons::new(map), k, settings)
             }
         }
     }

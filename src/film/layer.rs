@@ -1,6 +1,6 @@
 //! The layers of a picture: what each one means, its EXR channels, and the eye sample that fills them.
 //!
-//! Units: radiance layers in W/(m²·sr), linear Rec.709; `Z` in metres; `photons.density` in photons per m²; `N` and
+//! Units: radiance layers in W/(m²·sr), linear Rec.709; `Z` in metres; `photons.density` in photons per m², `variance` in (W/(m²·sr))²; `N` and
 //! `albedo` have none. Frame: `N` in world space, `Z` along the camera's view axis.
 //!
 //! | layer | channels | meaning |
@@ -13,6 +13,7 @@
 //! | `Z` | `Z` | depth of the first hit, mean of the samples that hit; 0 where A = 0 |
 //! | `albedo` | `albedo.R G B` | reflectance at the vertex where `N` is taken |
 //! | `photons` | `photons.density` | Σ K/A over the photons whose footprints cover that vertex: the photon density that the estimate saw |
+//! | `variance` | `variance.Y` | variance of the mean luminance, from how much the passes differ; 0 with one pass |
 
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;
@@ -29,6 +30,7 @@ impl Layer {
             Layer::Depth => &["Z"],
             Layer::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
             Layer::Photons => &["photons.density"],
+            Layer::Variance => &["variance.Y"],
         }
     }
 }
@@ -71,6 +73,8 @@ impl EyeSample {
             Layer::Depth => [self.depth.unwrap_or(0.0), 0.0, 0.0],
             Layer::Albedo => self.albedo.to_array(),
             Layer::Photons => [self.photon_density, 0.0, 0.0],
+            // Known of passes, not of samples.
+            Layer::Variance => [0.0; 3],
         }
     }
 }
@@ -93,6 +97,11 @@ impl Layout {
         }
         let stride = BEAUTY.len() + unique.iter().map(|layer| layer.channels().len()).sum::<usize>();
         Layout { layers: unique, stride }
+    }
+
+    /// The layers beside the beauty.
+    pub fn layers(&self) -> &[Layer] {
+        &self.layers
     }
 
     /// Numbers in a pixel's record.

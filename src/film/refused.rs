@@ -1,29 +1,32 @@
 //! Samples that the film did not take, with the place they came from: nothing is clamped or dropped in silence.
 
+use serde::{Deserialize, Serialize};
+
+use super::exact::LARGEST;
 use super::layer::EyeSample;
 use crate::radiometry::Spectrum;
 
 /// Why a sample was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Cause {
     NotANumber,
-    /// Infinite, or larger than the `f32` that the file stores can hold.
+    /// Infinite, or larger than [`LARGEST`].
     TooLarge,
     /// A radiometric value below zero.
     Negative,
 }
 
-/// One refused sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// One refused sample; they are ordered by pass, then row by row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct RefusedSample {
-    pub x: u32,
-    pub y: u32,
     pub pass: u32,
+    pub y: u32,
+    pub x: u32,
     pub cause: Cause,
 }
 
-/// How many samples were refused, and the first of them in merge order.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// How many samples were refused, and the first of them in the order of passes and pixels.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Refused {
     pub not_a_number: u64,
     pub too_large: u64,
@@ -45,17 +48,21 @@ impl Refused {
             Cause::TooLarge => self.too_large += 1,
             Cause::Negative => self.negative += 1,
         }
-        if self.first.len() < REMEMBERED {
-            self.first.push(sample);
-        }
+        self.remember(&[sample]);
     }
 
     pub(super) fn merge(&mut self, other: &Refused) {
         self.not_a_number += other.not_a_number;
         self.too_large += other.too_large;
         self.negative += other.negative;
-        let room = REMEMBERED - self.first.len();
-        self.first.extend(other.first.iter().take(room));
+        self.remember(&other.first);
+    }
+
+    /// The first of a sum of lists are the first of the lists' first ones, in whatever order they come.
+    fn remember(&mut self, samples: &[RefusedSample]) {
+        self.first.extend(samples);
+        self.first.sort_unstable();
+        self.first.truncate(REMEMBERED);
     }
 }
 
@@ -63,7 +70,7 @@ impl Refused {
 fn check(value: f64, signed: bool) -> Result<(), Cause> {
     if value.is_nan() {
         Err(Cause::NotANumber)
-    } else if value.abs() > f64::from(f32::MAX) {
+    } else if value.abs() > LARGEST {
         Err(Cause::TooLarge)
     } else if value < 0.0 && !signed {
         Err(Cause::Negative)

@@ -3,6 +3,7 @@
 //! A splat's value is what it adds to the pass's estimate of the mean radiance of a pixel, W/(m²·sr): the renderer
 //! has divided by the number of light paths of the pass already. The film divides by the number of passes.
 
+use super::PixelBounds;
 use super::refused::{Cause, Refused, RefusedSample, check_spectrum};
 use crate::radiometry::Spectrum;
 use crate::scene::camera::PixelFilter;
@@ -11,6 +12,7 @@ use crate::scene::settings::Layer;
 /// One light path's contribution to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
+    /// Row by row within the part.
     pub(super) pixel: u32,
     pub(super) part: Layer,
     pub(super) value: Spectrum,
@@ -19,8 +21,7 @@ pub struct Splat {
 /// The splats of one work unit, in the order they were made.
 #[derive(Clone, Debug)]
 pub struct SplatBuffer {
-    width: u32,
-    height: u32,
+    bounds: PixelBounds,
     pass: u32,
     filter: PixelFilter,
     pub(super) splats: Vec<Splat>,
@@ -43,11 +44,13 @@ fn gaussian(d: f64) -> f64 {
 }
 
 impl SplatBuffer {
-    pub fn new(width: u32, height: u32, pass: u32, filter: PixelFilter) -> SplatBuffer {
-        SplatBuffer { width, height, pass, filter, splats: Vec::new(), refused: Refused::default() }
+    /// For the part `bounds` of a picture.
+    pub fn new(bounds: PixelBounds, pass: u32, filter: PixelFilter) -> SplatBuffer {
+        SplatBuffer { bounds, pass, filter, splats: Vec::new(), refused: Refused::default() }
     }
 
-    /// Adds `value` at the film position (x, y), in pixels from the top left corner; positions outside add nothing.
+    /// Adds `value` at the film position (x, y), in pixels from the picture's top left corner; positions outside of the
+    /// part add nothing.
     /// `part` says which of [`Layer::Direct`], [`Layer::Caustic`] and [`Layer::Indirect`] the light belongs to.
     pub fn add_splat(&mut self, x: f64, y: f64, part: Layer, value: Spectrum) {
         debug_assert!(matches!(part, Layer::Direct | Layer::Caustic | Layer::Indirect), "{part:?} is not light");
@@ -75,9 +78,11 @@ impl SplatBuffer {
     }
 
     fn push(&mut self, px: f64, py: f64, part: Layer, value: Spectrum) {
-        let inside = (0.0..f64::from(self.width)).contains(&px) && (0.0..f64::from(self.height)).contains(&py);
+        let PixelBounds { x0, y0, x1, y1 } = self.bounds;
+        let inside = (f64::from(x0)..f64::from(x1)).contains(&px) && (f64::from(y0)..f64::from(y1)).contains(&py);
         if inside {
-            self.splats.push(Splat { pixel: py as u32 * self.width + px as u32, part, value });
+            let pixel = (py as u32 - y0) * self.bounds.width() + (px as u32 - x0);
+            self.splats.push(Splat { pixel, part, value });
         }
     }
 }
@@ -91,7 +96,7 @@ mod tests {
     #[test]
     fn gaussian_splats_keep_the_light() {
         let n = 64;
-        let mut buffer = SplatBuffer::new(9, 9, 0, PixelFilter::Gaussian);
+        let mut buffer = SplatBuffer::new(PixelBounds::whole([9, 9]), 0, PixelFilter::Gaussian);
         for j in 0..n {
             for i in 0..n {
                 let at = |k: i32| 4.0 + (f64::from(k) + 0.5) / f64::from(n);
@@ -105,7 +110,7 @@ mod tests {
 
     #[test]
     fn splats_outside_add_nothing_and_bad_ones_are_counted() {
-        let mut buffer = SplatBuffer::new(2, 2, 3, PixelFilter::Box);
+        let mut buffer = SplatBuffer::new(PixelBounds::whole([2, 2]), 3, PixelFilter::Box);
         for (x, y) in [(-0.1, 0.5), (0.5, 2.0), (1e300, 0.0)] {
             buffer.add_splat(x, y, Layer::Direct, Spectrum::ONE);
         }

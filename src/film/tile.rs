@@ -1,10 +1,13 @@
 //! A rectangle of pixels that one work unit fills.
 
+use serde::{Deserialize, Serialize};
+
+use super::exact::ExactSum;
 use super::layer::{EyeSample, Layout};
 use super::refused::{Refused, RefusedSample, check_sample};
 
 /// Pixels `x0 ≤ x < x1`, `y0 ≤ y < y1`; (0, 0) is the top left one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct PixelBounds {
     pub x0: u32,
     pub y0: u32,
@@ -24,6 +27,16 @@ impl PixelBounds {
     }
     pub fn contains(&self, x: u32, y: u32) -> bool {
         (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
+    }
+    pub fn contains_all(&self, other: &PixelBounds) -> bool {
+        other.x0 >= self.x0 && other.x1 <= self.x1 && other.y0 >= self.y0 && other.y1 <= self.y1
+    }
+    pub fn overlaps(&self, other: &PixelBounds) -> bool {
+        self.x0 < other.x1 && other.x0 < self.x1 && self.y0 < other.y1 && other.y0 < self.y1
+    }
+    /// The whole of a picture.
+    pub fn whole([width, height]: [u32; 2]) -> PixelBounds {
+        PixelBounds { x0: 0, y0: 0, x1: width, y1: height }
     }
 
     /// Cuts a picture of `width` × `height` into tiles of at most `size` × `size` pixels, row by row.
@@ -47,7 +60,7 @@ pub struct Tile {
     pub(super) pass: u32,
     pub(super) layout: Layout,
     /// Records of `layout.stride()` sums, row by row.
-    pub(super) sums: Vec<f64>,
+    pub(super) sums: Vec<ExactSum>,
     /// Samples taken, one number a pixel.
     pub(super) taken: Vec<u32>,
     pub(super) refused: Refused,
@@ -60,7 +73,7 @@ impl Tile {
             bounds,
             pass,
             layout: layout.clone(),
-            sums: vec![0.0; pixels * layout.stride()],
+            sums: vec![ExactSum::default(); pixels * layout.stride()],
             taken: vec![0; pixels],
             refused: Refused::default(),
         }
@@ -85,12 +98,12 @@ impl Tile {
         let [r, g, b] = sample.radiance().to_array();
         let coverage = if sample.depth.is_some() { 1.0 } else { 0.0 };
         for (sum, value) in record.iter_mut().zip([r, g, b, coverage]) {
-            *sum += value;
+            sum.add(value);
         }
         for (layer, offset) in self.layout.offsets() {
             let values = sample.values(layer);
             for (sum, value) in record[offset..].iter_mut().zip(&values[..layer.channels().len()]) {
-                *sum += value;
+                sum.add(*value);
             }
         }
     }

@@ -29,10 +29,15 @@ pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
 /// Puts `bytes` into the file `path`. Whoever looks sees the old file or the new one, never a part, also after a
 /// crash; on error the old file stays and nothing else is left behind.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    write_with(path, |file| file.write_all(bytes))
+}
+
+/// The same for what `fill` writes.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
     let failed = |source| WriteError::Failed { path: path.to_owned(), source };
     let mut file =
         temporary_beside(path).map_err(|source| WriteError::CannotCreate { path: path.to_owned(), source })?;
-    file.write_all(bytes).map_err(failed)?;
+    fill(file.as_file_mut()).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
     file.persist(path).map_err(|e| failed(e.error))?;
     // The rename itself is on disk once the folder is.

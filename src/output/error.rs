@@ -20,6 +20,22 @@ pub enum WriteError {
     Unfit { path: PathBuf, reason: String },
 }
 
+/// A checkpoint or part that could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PartError {
+    #[error("{}: no such file; check the name", path.display())]
+    Missing { path: PathBuf },
+    #[error("{}: cannot read: {source}", path.display())]
+    Io { path: PathBuf, source: std::io::Error },
+    #[error("{}: not a checkpoint or part of pdembree", path.display())]
+    NotAPart { path: PathBuf },
+    #[error("{}: written by another version of pdembree, in a layout that this one does not read; render it anew", path.display())]
+    OtherLayout { path: PathBuf },
+    #[error("{}: this checkpoint or part is damaged: {reason}; delete it and render it anew", path.display())]
+    Damaged { path: PathBuf, reason: String },
+}
+
 /// A picture that could not be read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

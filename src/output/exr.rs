@@ -9,7 +9,7 @@ use std::path::Path;
 use exr::image::read::read;
 use exr::image::write::WritableImage;
 use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Layer};
-use exr::meta::attribute::{AttributeValue, Chromaticities, LineOrder, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, LineOrder, Text};
 use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, ReadChannels, ReadLayers, SmallVec, Vec2};
 
@@ -28,15 +28,36 @@ const REC709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
+/// Where the pixels of a file lie in the whole picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Of the top left pixel, from the picture's corner.
+    pub origin: [u32; 2],
+    /// Width and height of the whole picture.
+    pub whole: [u32; 2],
+}
+
 /// Writes `image` with `attributes` (their names get the prefix `pdembree/`), whole or not at all.
 pub fn write(path: &Path, image: &Image, attributes: &[(String, String)]) -> Result<(), WriteError> {
+    write_window(path, image, Window { origin: [0, 0], whole: [image.width, image.height] }, attributes)
+}
+
+/// Writes a part of a picture: the data window is the part, the display window the whole, so that tools that assemble
+/// pictures know its place.
+pub fn write_window(
+    path: &Path,
+    image: &Image,
+    window: Window,
+    attributes: &[(String, String)],
+) -> Result<(), WriteError> {
     let unfit = |reason: String| WriteError::Unfit { path: path.to_owned(), reason };
-    let bytes = encode(image, attributes).map_err(unfit)?;
+    let bytes = encode(image, window, attributes).map_err(unfit)?;
     atomic::write(path, &bytes)
 }
 
-fn encode(image: &Image, attributes: &[(String, String)]) -> Result<Vec<u8>, String> {
+fn encode(image: &Image, window: Window, attributes: &[(String, String)]) -> Result<Vec<u8>, String> {
     let text = |s: &str| Text::new_or_none(s).ok_or_else(|| format!("{s:?} is no Latin-1 text"));
+    let far = |_| "the picture has more pixels than 31 bits can count".to_owned();
     let mut channels = SmallVec::new();
     for Channel { name, samples } in &image.channels {
         if samples.len() != image.pixels() {
@@ -44,7 +65,8 @@ fn encode(image: &Image, attributes: &[(String, String)]) -> Result<Vec<u8>, Str
         }
         channels.push(AnyChannel::new(text(name)?, FlatSamples::F32(samples.clone())));
     }
-    let mut own = LayerAttributes::default();
+    let [x, y] = window.origin.map(|v| i32::try_from(v).map_err(far));
+    let mut own = LayerAttributes { layer_position: Vec2(x?, y?), ..LayerAttributes::default() };
     // Other programs spell this name with a capital, unlike the crate's own field.
     let software = concat!("pdembree ", env!("CARGO_PKG_VERSION"));
     own.other.insert(text("Software")?, AttributeValue::Text(text(software)?));
@@ -58,6 +80,8 @@ fn encode(image: &Image, attributes: &[(String, String)]) -> Result<Vec<u8>, Str
     let size = Vec2(image.width as usize, image.height as usize);
     let layer = Layer::new(size, own, encoding, AnyChannels::sort(channels));
     let mut file = exr::image::Image::from_layer(layer);
+    let [width, height] = window.whole.map(|side| side as usize);
+    file.attributes.display_window = IntegerBounds::from_dimensions(Vec2(width, height));
     file.attributes.chromaticities = Some(REC709);
     let mut bytes = Cursor::new(Vec::new());
     file.write().to_buffered(&mut bytes).map_err(|e| e.to_string())?;

@@ -3,12 +3,15 @@
 pub mod atomic;
 pub mod error;
 pub mod exr;
+pub mod part;
 pub mod photon_dump;
 pub mod png;
 pub mod sidecar;
 pub mod target;
+pub mod tev;
 
-pub use error::{ReadError, WriteError};
+pub use error::{PartError, ReadError, WriteError};
+pub use part::{Identity, Part};
 pub use photon_dump::DumpedPhoton;
 pub use sidecar::BirthCertificate;
 pub use target::{Format, Target};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::atomic;
 use super::error::WriteError;
@@ -14,7 +14,7 @@ use crate::scene::settings::{Bandwidth, Radius, RenderSettings};
 pub const SCHEMA: u32 = 1;
 
 /// Which build rendered.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     pub name: String,
     pub version: String,
@@ -29,8 +29,26 @@ pub struct SceneIdentity {
     pub hash: String,
 }
 
+impl Program {
+    /// This build.
+    pub fn this() -> Program {
+        Program {
+            name: env!("CARGO_PKG_NAME").to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: option_env!("PDEMBREE_COMMIT").map(str::to_owned),
+        }
+    }
+}
+
+impl std::fmt::Display for Program {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let commit = self.commit.as_ref().map_or_else(String::new, |commit| format!(" ({commit})"));
+        write!(f, "{} {}{commit}", self.name, self.version)
+    }
+}
+
 /// Who answered the ray queries.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BackendIdentity {
     pub name: String,
     pub version: String,

@@ -1,6 +1,6 @@
 //! Which photon paths are stored, how long they live, and what became of all others.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::sampling::Stream;
 
@@ -20,7 +20,7 @@ impl PathLimits {
 }
 
 /// What became of the emitted photons. Every photon or branch that ends without being stored shows here once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PhotonCounts {
     /// Photons that left the lights; divides the estimate.
     pub photons_emitted: u64,

@@ -7,7 +7,8 @@ use std::sync::Arc;
 
 use super::BadCamera;
 use super::progress::Progress;
-use super::unit::run_in_order;
+use super::unit::collect_units;
+use super::watch::Unattended;
 use crate::backend::crosscheck::{Crosscheck, Query, RayKind, Report};
 use crate::backend::{Backend, Geometry, build_over};
 use crate::camera::Camera;
@@ -63,7 +64,8 @@ pub fn crosscheck(
     };
     let mut report = Report::default();
     progress.phase("rays", units);
-    run_in_order(units as usize, progress, unit, |found| report.merge(found));
+    let reports = collect_units(units as usize, &Unattended(progress), unit).unwrap_or_default();
+    reports.into_iter().for_each(|found| report.merge(found));
     progress.finish();
     Ok(Crosschecked { report, backends: [pair.a.describe(), pair.b.describe()] })
 }

@@ -1,46 +1,42 @@
 //! gather → film: eye paths over all tiles, and the photons' light at their vertices.
 
 use super::eye_path::{EyeFinds, EyePathTracer, Query};
-use super::progress::Progress;
-use super::unit::run_in_order;
+use super::unit::{run_units, scattered};
+use super::watch::Stopped;
+use super::{Job, RenderState};
 use crate::camera::{Camera, filter_offset};
-use crate::estimate::{Estimate, GatherPoint};
-use crate::film::{EyeSample, Film, PixelBounds, Tile};
+use crate::estimate::{Estimate, GatherPoint, bandwidth};
+use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::RenderSettings;
 use crate::scene::settings::Estimator;
-use crate::world::World;
 
-/// Pixels along the side of a unit of work.
-const TILE_SIZE: u32 = 16;
+/// Pixels along the side of a unit of work, counted from the picture's corner also where only a part is rendered.
+pub const TILE_SIZE: u32 = 16;
 
 /// Semi-axis of an eye sample's footprint in sample spacings, PHOTON_DIFFERENTIALS 3.4: enough to hide folds between
 /// samples, half of what would blur them.
 const EYE_RADIUS: f64 = 0.75;
 
-/// Semi-axis of an eye sample's footprint, in pixels. The standard estimates look at points.
-fn eye_radius(settings: &RenderSettings) -> f64 {
+/// Semi-axis of an eye sample's footprint in pass `pass`, in pixels. The standard estimates look at points.
+fn eye_radius(settings: &RenderSettings, pass: u32) -> f64 {
     match settings.estimator {
-        Estimator::Differentials => EYE_RADIUS / f64::from(settings.spp).sqrt(),
+        Estimator::Differentials => {
+            EYE_RADIUS / f64::from(settings.spp).sqrt() * bandwidth::narrowing(settings.emission, pass)
+        }
         Estimator::NearestNeighbours | Estimator::Progressive => 0.0,
     }
 }
 
-/// Adds one pass of eye paths to the film; `estimate` answers the queries that `finds` leaves to the photon map.
-pub fn expose(
-    world: &World,
-    camera: &Camera,
-    pass: u32,
-    finds: EyeFinds,
-    estimate: Option<&Estimate>,
-    film: &mut Film,
-    progress: &dyn Progress,
-) {
+/// Adds the tiles of the pass under way that its film does not have yet; `estimate` answers the queries that `finds`
+/// leaves to the photon map.
+pub fn expose(job: &Job, finds: EyeFinds, estimate: Option<&Estimate>, state: &mut RenderState) -> Result<(), Stopped> {
+    let (world, pass) = (job.world, state.film.pass());
     let settings = &world.scene.settings;
     let exposure = Exposure {
-        camera,
+        camera: &job.camera,
         pass,
         settings,
         tracer: EyePathTracer {
@@ -48,20 +44,35 @@ pub fn expose(
             finds,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
-            sample_radius: eye_radius(settings),
+            sample_radius: eye_radius(settings, pass),
         },
         estimate,
     };
-    let tiles = PixelBounds::tiles(film.width(), film.height(), TILE_SIZE);
-    let layout = film.layout().clone();
-    progress.phase("picture", tiles.len() as u64);
-    run_in_order(
-        tiles.len(),
-        progress,
-        |i| exposure.tile(Tile::new(&layout, tiles[i], pass)),
-        |tile| film.add_tile(&tile),
-    );
-    progress.finish();
+    let tiles = units_of(&state.film.bounds());
+    let layout = state.film.layout().clone();
+    let added = state.film.added(film::Exposure::Eye);
+    let missing: Vec<usize> = scattered(tiles.len()).into_iter().filter(|&i| !added.contains(i)).collect();
+    job.watch.phase("picture", missing.len() as u64);
+    let unit = |i: usize| exposure.tile(Tile::new(&layout, tiles[i], pass));
+    run_units(&missing, job.watch, unit, |i, tile| {
+        state.film.add_tile(i, &tile);
+        job.watch.unit_added(state);
+    })?;
+    job.watch.finish();
+    Ok(())
+}
+
+/// The units of a part of a picture. Its corner lies on one of the picture's units, so that its units are some of those:
+/// what is computed for a pixel then never depends on the part.
+fn units_of(part: &PixelBounds) -> Vec<PixelBounds> {
+    let place = |tile: PixelBounds| PixelBounds {
+        x0: tile.x0 + part.x0,
+        y0: tile.y0 + part.y0,
+        x1: tile.x1 + part.x0,
+        y1: tile.y1 + part.y0,
+    };
+    debug_assert!(part.x0.is_multiple_of(TILE_SIZE) && part.y0.is_multiple_of(TILE_SIZE), "{part:?}");
+    PixelBounds::tiles(part.width(), part.height(), TILE_SIZE).into_iter().map(place).collect()
 }
 
 struct Exposure<'a> {

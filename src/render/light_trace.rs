@@ -9,10 +9,11 @@
 
 use super::exposure::expose;
 use super::eye_path::EyeFinds;
-use super::progress::Progress;
-use super::unit::run_in_order;
+use super::unit::{run_units, scattered};
+use super::watch::Stopped;
+use super::{Job, RenderState};
 use crate::camera::Camera;
-use crate::film::{Film, SplatBuffer};
+use crate::film::{Exposure, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
 use crate::photon::{EmissionUnit, Share};
@@ -35,46 +36,51 @@ enum FirstEvent {
     Scatter,
 }
 
-/// One pass of the light tracer: `settings.photons` light paths over all lights.
-pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, progress: &dyn Progress) {
-    expose(world, camera, pass, EyeFinds::Emitters, None, film, progress);
-    let all = world.scene.settings.photons;
-    match &world.aim {
+/// The rest of the pass under way of the light tracer: `settings.photons` light paths over all lights.
+pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
+    expose(job, EyeFinds::Emitters, None, state)?;
+    let all = job.world.scene.settings.photons;
+    match &job.world.aim {
         // Nothing has a delta lobe.
-        None => shoot(world, camera, pass, (&Aim::Everywhere, FirstEvent::Scatter), all, film, progress),
+        None => shoot(job, Exposure::LightToAll, (&Aim::Everywhere, FirstEvent::Scatter), all, state),
         Some(aim) => {
             let caustics = all.div_ceil(2);
-            shoot(world, camera, pass, (aim, FirstEvent::Delta), caustics, film, progress);
-            shoot(world, camera, pass, (&Aim::Everywhere, FirstEvent::Scatter), all - caustics, film, progress);
+            shoot(job, Exposure::LightToCasters, (aim, FirstEvent::Delta), caustics, state)?;
+            shoot(job, Exposure::LightToAll, (&Aim::Everywhere, FirstEvent::Scatter), all - caustics, state)
         }
     }
 }
 
-/// Splats `paths` light paths of one kind.
+/// Splats those of `paths` light paths of one kind that the film does not have yet.
 fn shoot(
-    world: &World,
-    camera: &Camera,
-    pass: u32,
+    job: &Job,
+    exposure: Exposure,
     (aim, first_event): (&Aim, FirstEvent),
     paths: u64,
-    film: &mut Film,
-    progress: &dyn Progress,
-) {
+    state: &mut RenderState,
+) -> Result<(), Stopped> {
+    let (world, camera, pass) = (job.world, &job.camera, state.film.pass());
     let settings = RenderSettings { photons: paths, ..world.scene.settings.clone() };
     let units = EmissionUnit::all(&world.lights, &settings, aim, pass, PATHS_PER_UNIT, |light, n| {
         let source = world.lights.get(light);
         if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
     });
-    progress.phase("light paths", units.len() as u64);
-    let (width, height, filter) = (film.width(), film.height(), world.scene.camera.filter);
+    let added = state.film.added(exposure);
+    let missing: Vec<usize> = scattered(units.len()).into_iter().filter(|&i| !added.contains(i)).collect();
+    job.watch.phase("light paths", missing.len() as u64);
+    let (bounds, filter) = (state.film.bounds(), world.scene.camera.filter);
     let trace = |i: usize| {
-        let splats = SplatBuffer::new(width, height, pass, filter);
+        let splats = SplatBuffer::new(bounds, pass, filter);
         let mut tracer = LightTracer { world, camera, first_event, splats };
         units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
         tracer.splats
     };
-    run_in_order(units.len(), progress, trace, |splats| film.add_splats(&splats));
-    progress.finish();
+    run_units(&missing, job.watch, trace, |i, splats| {
+        state.film.add_splats(exposure, i, &splats);
+        job.watch.unit_added(state);
+    })?;
+    job.watch.finish();
+    Ok(())
 }
 
 struct LightTracer<'a> {

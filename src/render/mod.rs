@@ -1,6 +1,7 @@
 //! The conductors: which technique makes which part of a picture, pass by pass.
 //!
-//! A render is a set of numbered passes. Pass i is a pure function of (scene, settings, i); the film is their mean.
+//! A render is a set of numbered passes. Pass i is a pure function of (scene, settings, i); the film is their mean. Its
+//! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
 pub mod crosscheck;
 pub mod exposure;
@@ -9,21 +10,22 @@ pub mod light_trace;
 pub mod photon_map;
 pub mod progress;
 pub mod unit;
+pub mod watch;
 
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::film::Film;
+use crate::film::{Film, PixelBounds};
 use crate::photon::PhotonCounts;
 use crate::scene::settings::Method;
 use crate::world::World;
-use eye_path::EyeFinds;
 use progress::Progress;
+use watch::{Stopped, Unattended, Watch};
 
 /// What a render did, for the birth certificate.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RenderReport {
     pub passes: u32,
     /// All photons of all passes; zero for the methods without a map.
@@ -34,13 +36,41 @@ pub struct RenderReport {
     pub invalid_rays: u64,
     /// Hits within rounding of a triangle's plane, or on a degenerate one, shaded where the backend put them.
     pub inexact_hits: u64,
+    /// Time spent rendering, by all who had a share in it.
     pub seconds: f64,
 }
 
-/// A finished render.
-pub struct Rendered {
+/// A render at any moment: all that is needed to go on with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderState {
     pub film: Film,
     pub report: RenderReport,
+}
+
+impl RenderState {
+    /// Nothing rendered yet of the pixels `part`, from pass `first_pass` on.
+    pub fn new(world: &World, part: PixelBounds, first_pass: u32) -> RenderState {
+        let film = Film::new(part, first_pass, &world.scene.settings.layers);
+        RenderState { film, report: RenderReport::default() }
+    }
+
+    /// Adds another render of the same pixels, or puts in one of some of them.
+    pub fn merge(&mut self, other: &RenderState) {
+        if self.film.bounds() == other.film.bounds() {
+            self.film.add_passes(&other.film);
+        } else {
+            self.film.paste(&other.film);
+        }
+        self.report.merge(&other.report);
+        self.report.passes = self.film.passes();
+    }
+}
+
+/// What the conductors of a pass need.
+pub struct Job<'a> {
+    pub world: &'a World,
+    pub camera: Camera,
+    pub watch: &'a dyn Watch,
 }
 
 /// A camera that does not span a frame; assembly refuses such scenes.
@@ -48,49 +78,66 @@ pub struct Rendered {
 #[error("the camera's position, target and up do not span a frame")]
 pub struct BadCamera;
 
-/// Renders all passes of the world's scene with its own settings.
-pub fn render(world: &World, progress: &dyn Progress) -> Result<Rendered, BadCamera> {
-    render_while(world, progress, |passes| passes < world.scene.settings.passes)
+/// How a render ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// No further pass was wanted.
+    Done,
+    /// It was stopped, perhaps within a pass.
+    Stopped,
 }
 
-/// Renders passes 0, 1, … as long as `more`, told how many are done, asks for one; the first one always.
-pub fn render_while(world: &World, progress: &dyn Progress, more: impl Fn(u32) -> bool) -> Result<Rendered, BadCamera> {
-    let start = Instant::now();
-    let settings = &world.scene.settings;
-    let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
-    let [width, height] = world.scene.camera.resolution;
-    let mut film = Film::new(width, height, &settings.layers);
-    let mut report = RenderReport::default();
-    loop {
-        render_pass(world, &camera, report.passes, &mut film, &mut report, progress);
-        film.end_pass();
-        report.passes += 1;
-        if !more(report.passes) {
+/// Renders all passes of the world's scene with its own settings.
+pub fn render(world: &World, progress: &dyn Progress) -> Result<RenderState, BadCamera> {
+    render_while(world, progress, |state| state.film.passes() < world.scene.settings.passes)
+}
+
+/// Renders passes 0, 1, … of the whole picture as long as `more` asks for one; the first one always.
+pub fn render_while(
+    world: &World,
+    progress: &dyn Progress,
+    more: impl Fn(&RenderState) -> bool,
+) -> Result<RenderState, BadCamera> {
+    let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
+    let more = |state: &RenderState| state.film.passes() == 0 || more(state);
+    go_on(world, &mut state, &Unattended(progress), more)?;
+    Ok(state)
+}
+
+/// Goes on with a render: ends the pass under way, then adds pass after pass as long as `more` asks for one.
+pub fn go_on(
+    world: &World,
+    state: &mut RenderState,
+    watch: &dyn Watch,
+    more: impl Fn(&RenderState) -> bool,
+) -> Result<Ended, BadCamera> {
+    let job = Job { world, camera: Camera::new(&world.scene.camera).ok_or(BadCamera)?, watch };
+    let (start, before) = (Instant::now(), state.report.seconds);
+    let [invalid_rays, inexact_hits] = [world.backend.invalid_rays(), world.inexact_hits()];
+    let mut ended = Ended::Done;
+    while !state.film.is_between_passes() || more(state) {
+        if render_pass(&job, state).is_err() {
+            ended = Ended::Stopped;
             break;
         }
+        state.film.end_pass();
+        state.report.passes = state.film.passes();
+        state.report.seconds = before + start.elapsed().as_secs_f64();
+        watch.pass_ended(state);
     }
-    report.invalid_rays = world.backend.invalid_rays();
-    report.inexact_hits = world.inexact_hits();
-    report.seconds = Duration::as_secs_f64(&start.elapsed());
-    Ok(Rendered { film, report })
+    state.report.invalid_rays += world.backend.invalid_rays() - invalid_rays;
+    state.report.inexact_hits += world.inexact_hits() - inexact_hits;
+    state.report.seconds = before + Duration::as_secs_f64(&start.elapsed());
+    Ok(ended)
 }
 
-/// Adds pass `pass` to the film: a pure function of the scene, its settings and the pass's number.
-pub fn render_pass(
-    world: &World,
-    camera: &Camera,
-    pass: u32,
-    film: &mut Film,
-    report: &mut RenderReport,
-    progress: &dyn Progress,
-) {
-    match world.scene.settings.method {
-        Method::PhotonMap => {
-            let map = photon_map::render_pass(world, camera, pass, film, progress);
-            report.add_photons(&map.counts, &map.by_light);
-        }
-        Method::Path => exposure::expose(world, camera, pass, EyeFinds::Everything, None, film, progress),
-        Method::LightTrace => light_trace::render_pass(world, camera, pass, film, progress),
+/// Adds to the film what is missing of the pass under way: a pure function of the scene, its settings and the pass's
+/// number.
+fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
+    match job.world.scene.settings.method {
+        Method::PhotonMap => photon_map::render_pass(job, state),
+        Method::Path => exposure::expose(job, eye_path::EyeFinds::Everything, None, state),
+        Method::LightTrace => light_trace::render_pass(job, state),
     }
 }
 
@@ -101,5 +148,13 @@ impl RenderReport {
         for (sum, light) in self.photons_by_light.iter_mut().zip(by_light) {
             sum.merge(light);
         }
+    }
+
+    /// Adds what another render of the same scene did.
+    fn merge(&mut self, other: &RenderReport) {
+        self.add_photons(&other.photons, &other.photons_by_light);
+        self.invalid_rays += other.invalid_rays;
+        self.inexact_hits += other.inexact_hits;
+        self.seconds += other.seconds;
     }
 }

@@ -3,13 +3,13 @@
 use super::exposure::expose;
 use super::eye_path::EyeFinds;
 use super::progress::Progress;
-use super::unit::run_in_order;
-use crate::camera::Camera;
+use super::unit::collect_units;
+use super::watch::{Stopped, Unattended, Watch};
+use super::{Job, RenderState};
 use crate::estimate::{Estimate, bandwidth};
-use crate::film::Film;
 use crate::light::Aim;
 use crate::photon::footprint::Spread;
-use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonMap, PhotonTracer, Share};
+use crate::photon::{EmissionUnit, PathLimits, PhotonMap, PhotonTracer, Share};
 use crate::scene::LightId;
 use crate::scene::settings::{Estimator, FootprintRule};
 use crate::world::World;
@@ -17,34 +17,40 @@ use crate::world::World;
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
 
-/// One pass of the photon-map renderer, added to the film.
-pub fn render_pass(world: &World, camera: &Camera, pass: u32, film: &mut Film, progress: &dyn Progress) -> PhotonMap {
-    let map = shoot(world, pass, progress);
-    let estimate = Estimate::new(&map, &world.scene.settings);
-    expose(world, camera, pass, EyeFinds::AllButCaustics, Some(&estimate), film, progress);
-    map
+/// The rest of the pass under way of the photon-map renderer, added to the film.
+pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
+    let (world, pass) = (job.world, state.film.pass());
+    let map = shoot(world, pass, job.watch)?;
+    let estimate = Estimate::new(&map, &world.scene.settings, pass);
+    expose(job, EyeFinds::AllButCaustics, Some(&estimate), state)?;
+    state.report.add_photons(&map.counts, &map.by_light);
+    Ok(())
 }
 
 /// emit → trace → map: the photons of pass `pass`.
-pub fn shoot(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
+pub fn shoot(world: &World, pass: u32, watch: &dyn Watch) -> Result<PhotonMap, Stopped> {
     let settings = &world.scene.settings;
-    let Some(aim) = &world.aim else { return PhotonMap::empty(world.lights.len()) };
+    let Some(aim) = &world.aim else { return Ok(PhotonMap::empty(world.lights.len())) };
     let units = EmissionUnit::all(&world.lights, settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
         share_of(world, light, aim, n)
     });
     let spread = spread(world, pass);
     let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
-    let mut traced = Vec::with_capacity(units.len());
-    progress.phase("photons", units.len() as u64);
+    watch.phase("photons", units.len() as u64);
     let trace = |i: usize| {
         let mut tracer = PhotonTracer::new(world, limits, spread);
         units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
         tracer.counts.photons_emitted = units[i].len();
         (units[i].light, tracer.photons, tracer.counts)
     };
-    run_in_order(units.len(), progress, trace, |unit: (LightId, Vec<Photon>, PhotonCounts)| traced.push(unit));
-    progress.finish();
-    PhotonMap::from_units(world.lights.len(), traced)
+    let traced = collect_units(units.len(), watch, trace)?;
+    watch.finish();
+    Ok(PhotonMap::from_units(world.lights.len(), traced))
+}
+
+/// The photons of pass `pass`, by someone who does not stop.
+pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
+    shoot(world, pass, &Unattended(progress)).unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.
@@ -56,7 +62,8 @@ fn spread(world: &World, pass: u32) -> Spread {
         }
         Estimator::Differentials | Estimator::NearestNeighbours => Spread::Columns {
             rule: settings.footprint,
-            scale: bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel),
+            scale: bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel)
+                * bandwidth::narrowing(settings.emission, pass),
         },
     }
 }

@@ -7,7 +7,7 @@ use super::description::{
     ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{Bandwidth, Radius, RenderSettings};
+use super::settings::{BackendKind, Bandwidth, Radius, RenderSettings};
 use super::texture::{ImageTexture, Wrap};
 
 /// Changes when the serialisation below does.
@@ -15,12 +15,21 @@ const VERSION: &str = "pdembree scene 1";
 
 /// BLAKE3 over a canonical serialisation, 64 hexadecimal digits.
 pub fn digest(description: &SceneDescription) -> String {
+    digest_with(description, &description.settings)
+}
+
+/// The same of what is in the scene, however it is rendered.
+pub fn digest_of_contents(description: &SceneDescription) -> String {
+    digest_with(description, &RenderSettings { backend: BackendKind::Brute, ..RenderSettings::default() })
+}
+
+fn digest_with(description: &SceneDescription, settings: &RenderSettings) -> String {
     let mut out = Canonical(blake3::Hasher::new());
     out.tag(VERSION);
     if let Some(camera) = &description.camera {
         out.camera(camera);
     }
-    out.settings(&description.settings);
+    out.settings(settings);
     out.count(description.objects.len());
     for object in &description.objects {
         out.object(object, description);

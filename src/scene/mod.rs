@@ -44,4 +44,6 @@ pub struct Scene {
     pub bounds: Bounds3,
     /// Digest of everything that can change a pixel, hexadecimal.
     pub hash: String,
+    /// Digest of the scene's contents, without the settings it is rendered with.
+    pub contents: String,
 }

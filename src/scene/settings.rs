@@ -95,6 +95,7 @@ named_choice!(
         Depth = "Z",
         Albedo = "albedo",
         Photons = "photons",
+        Variance = "variance",
     }
 );
 

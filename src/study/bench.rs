@@ -119,7 +119,7 @@ impl<'a> Bench<'a> {
         let photons = Override::new("render.photons", PILOTS.to_string());
         let overrides = [self.scene.overrides.clone(), vec![photons]].concat();
         let scene = import::load(&self.study.folder.join(&self.scene.file), &overrides)?.scene;
-        let counts = photon_map::shoot(&World::new(scene)?, 0, &Silent).counts;
+        let counts = photon_map::shoot_all(&World::new(scene)?, 0, &Silent).counts;
         match counts.photons_stored {
             0 => Err(StudyError::NothingStored { scene: self.scene.name.clone() }),
             stored => Ok(stored as f64 / counts.photons_emitted as f64),

@@ -12,12 +12,12 @@ use super::exact::{self, ClosedForm};
 use super::mask::directly_seen;
 use super::plan::{ReferencePart, ReferencePlan, StudyScene};
 use super::render::{file_stem, layer, program, write_pictures};
-use crate::camera::Camera;
-use crate::film::{Channel, Film, Image};
+use crate::film::{Channel, Image, PixelBounds};
 use crate::import::{self, Override};
 use crate::output::exr;
 use crate::render::progress::{Progress, Silent};
-use crate::render::{BadCamera, RenderReport, render_pass};
+use crate::render::watch::Unattended;
+use crate::render::{RenderState, go_on};
 use crate::scene::Scene;
 use crate::scene::settings::Method;
 use crate::world::World;
@@ -177,16 +177,14 @@ impl PartPlan {
 
     fn go_on(&self, mut moments: Moments, path: &Path, progress: &dyn Progress) -> Result<Moments, StudyError> {
         let world = World::new(self.scene.clone())?;
-        let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
-        let [width, height] = world.scene.camera.resolution;
+        let whole = PixelBounds::whole(world.scene.camera.resolution);
         let missing = self.passes - moments.passes;
         progress.phase(&format!("reference {}", self.label), STEPS_A_PASS * u64::from(missing));
         let mut saved = Instant::now();
         for pass in moments.passes..self.passes {
-            let mut film = Film::new(width, height, &world.scene.settings.layers);
-            render_pass(&world, &camera, pass, &mut film, &mut RenderReport::default(), &Silent);
-            film.end_pass();
-            moments.add(&layer(&film.resolve(), &self.layer));
+            let mut state = RenderState::new(&world, whole, pass);
+            go_on(&world, &mut state, &Unattended(&Silent), |state| state.film.passes() == 0)?;
+            moments.add(&layer(&state.film.resolve(), &self.layer));
             progress.advance(STEPS_A_PASS);
             if saved.elapsed() > SAVE_EVERY && moments.passes > 1 {
                 self.write(path, &moments)?;

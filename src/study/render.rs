@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::error::StudyError;
 use crate::film::Image;
 use crate::import::{self, Override};
+use crate::output::sidecar::Program;
 use crate::output::{atomic, exr, png};
 use crate::render::progress::Silent;
 use crate::render::render_while;
@@ -60,8 +61,7 @@ pub struct Record {
 
 /// The program as certificates and digests name it.
 pub fn program() -> String {
-    let commit = option_env!("PDEMBREE_COMMIT").map_or_else(String::new, |commit| format!(" ({commit})"));
-    format!("pdembree {}{commit}", env!("CARGO_PKG_VERSION"))
+    Program::this().to_string()
 }
 
 /// A render and where it is kept.
@@ -116,13 +116,13 @@ fn rendered(order: &Order, world: World) -> Result<(Image, Record), StudyError> 
     let settings = &world.scene.settings;
     let start = Instant::now();
     let rendered = match order.seconds {
-        None => render_while(&world, &Silent, |passes| passes < settings.passes),
+        None => render_while(&world, &Silent, |state| state.film.passes() < settings.passes),
         Some(seconds) => {
             let end = start + Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX / 2);
             // The pass that is likely to overrun the time is not begun.
-            render_while(&world, &Silent, |passes| {
+            render_while(&world, &Silent, |state| {
                 let now = Instant::now();
-                let pass = (now - start) / passes;
+                let pass = (now - start) / state.film.passes();
                 now + pass / 2 < end
             })
         }

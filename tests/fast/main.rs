@@ -31,5 +31,6 @@ mod shape_sampling;
 mod statistics_support;
 mod study;
 mod structure;
+mod tev;
 mod texture;
 mod warps;

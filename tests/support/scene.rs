@@ -38,6 +38,7 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
         settings: RenderSettings::default(),
         bounds,
         hash: String::new(),
+        contents: String::new(),
     }
 }
 

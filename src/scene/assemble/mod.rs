@@ -15,7 +15,7 @@ use self::geometry::Geometry;
 use self::materials::Materials;
 use super::description::{ObjectDescription, SceneDescription, ShapeDescription};
 use super::error::{Problem, Problems};
-use super::hash::digest;
+use super::hash::{digest, digest_of_contents};
 use super::ids::{LightId, ObjectId};
 use super::light::LightSource;
 use super::material::Material;
@@ -50,7 +50,7 @@ impl Report {
 /// All problems, each with the place it comes from.
 pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem>), Problems> {
     let mut report = Report::default();
-    let hash = digest(&description);
+    let hashes = (digest(&description), digest_of_contents(&description));
 
     let camera = camera::assemble(description.camera.as_ref(), &description.source, &mut report);
     check_settings(&description, &mut report);
@@ -67,7 +67,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let Report { problems, warnings } = report;
     // Without a camera there is a problem, so the default is never seen.
     let Some(camera) = camera else { return Err(problems) };
-    let scene = scene(camera, description.settings, materials, geometry, objects, lights, hash);
+    let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
     problems.into_result((Scene { bounds, ..scene }, warnings))
 }
 
@@ -78,7 +78,7 @@ fn scene(
     geometry: Geometry,
     objects: Vec<Object>,
     lights: Vec<LightSource>,
-    hash: String,
+    (hash, contents): (String, String),
 ) -> Scene {
     Scene {
         objects,
@@ -90,6 +90,7 @@ fn scene(
         settings,
         bounds: Bounds3::EMPTY,
         hash,
+        contents,
     }
 }
 

@@ -1,0 +1,123 @@
+//! A film as bytes: its shape, which says how many there are, and its sums, all little-endian.
+
+use std::io::{self, Read, Write};
+
+use serde::{Deserialize, Serialize};
+
+use super::error::Moments;
+use super::exact::{ExactSquares, ExactSum};
+use super::layer::Layout;
+use super::refused::Refused;
+use super::sums::Film;
+use super::tile::PixelBounds;
+use super::under_way::{UnderWay, UnitSet};
+use crate::scene::settings::Layer;
+
+/// All of a film but its sums.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FilmShape {
+    pub bounds: PixelBounds,
+    pub layers: Vec<String>,
+    pub first_pass: u32,
+    pub passes: u32,
+    has_splats: bool,
+    refused: Refused,
+    /// Of the pass under way: words of its unit sets.
+    added: [Vec<u64>; 3],
+}
+
+/// The most pixels that a file may claim: 2³¹, as EXR counts.
+const MAX_PIXELS: u64 = 1 << 31;
+
+fn invalid(reason: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, reason.into())
+}
+
+impl FilmShape {
+    fn layout(&self) -> io::Result<Layout> {
+        let layer = |name: &String| Layer::from_name(name).ok_or_else(|| invalid(format!("no layer {name:?}")));
+        Ok(Layout::new(&self.layers.iter().map(layer).collect::<io::Result<Vec<_>>>()?))
+    }
+
+    fn pixels(&self) -> io::Result<usize> {
+        let PixelBounds { x0, y0, x1, y1 } = self.bounds;
+        match (x1.checked_sub(x0), y1.checked_sub(y0)) {
+            (Some(w), Some(h)) if u64::from(w) * u64::from(h) <= MAX_PIXELS => Ok(w as usize * h as usize),
+            _ => Err(invalid("its pixels make no rectangle")),
+        }
+    }
+}
+
+impl Film {
+    pub fn shape(&self) -> FilmShape {
+        FilmShape {
+            bounds: self.bounds,
+            layers: self.layout.layers().iter().map(|layer| layer.name().to_owned()).collect(),
+            first_pass: self.first_pass,
+            passes: self.passes,
+            has_splats: !self.splats.is_empty(),
+            refused: self.refused.clone(),
+            added: self.under_way.added.each_ref().map(|units| units.words().to_vec()),
+        }
+    }
+
+    /// Writes the sums in the order that [`Film::read_sums`] expects.
+    pub fn write_sums(&self, out: &mut impl Write) -> io::Result<()> {
+        write_all(out, &self.sums, |sum| sum.to_le_bytes())?;
+        write_all(out, &self.splats, |sum| sum.to_le_bytes())?;
+        write_all(out, &self.taken, |n| n.to_le_bytes())?;
+        write_all(out, &self.moments, |moments| moments.sum.to_le_bytes())?;
+        write_all(out, &self.moments, |moments| moments.squares.to_le_bytes())?;
+        write_all(out, &self.under_way.luminance, |sum| sum.to_le_bytes())
+    }
+
+    /// # Errors
+    /// There are fewer bytes than the shape says, or it makes no sense.
+    pub fn read_sums(shape: &FilmShape, from: &mut impl Read) -> io::Result<Film> {
+        let (layout, pixels) = (shape.layout()?, shape.pixels()?);
+        shape.first_pass.checked_add(shape.passes).ok_or_else(|| invalid("its passes have no number"))?;
+        let records = pixels * layout.stride();
+        let sums = read_all(from, records, ExactSum::from_le_bytes)?;
+        let splats = read_all(from, if shape.has_splats { records } else { 0 }, ExactSum::from_le_bytes)?;
+        let taken = read_all(from, pixels, u64::from_le_bytes)?;
+        let means = read_all(from, pixels, ExactSum::from_le_bytes)?;
+        let squares = read_all(from, pixels, ExactSquares::from_le_bytes)?;
+        let luminance = read_all(from, pixels, ExactSum::from_le_bytes)?;
+        let added = shape.added.clone().map(UnitSet::from_words);
+        Ok(Film {
+            bounds: shape.bounds,
+            layout,
+            sums,
+            taken,
+            splats,
+            first_pass: shape.first_pass,
+            passes: shape.passes,
+            moments: means.into_iter().zip(squares).map(|(sum, squares)| Moments { sum, squares }).collect(),
+            under_way: UnderWay { luminance, added },
+            refused: shape.refused.clone(),
+        })
+    }
+}
+
+/// Values that go through one call of the writer, and so through one call of the digest.
+const BLOCK: usize = 4096;
+
+fn write_all<T, const N: usize>(out: &mut impl Write, values: &[T], bytes: impl Fn(&T) -> [u8; N]) -> io::Result<()> {
+    for block in values.chunks(BLOCK) {
+        let block: Vec<u8> = block.iter().flat_map(&bytes).collect();
+        out.write_all(&block)?;
+    }
+    Ok(())
+}
+
+fn read_all<T, const N: usize>(from: &mut impl Read, count: usize, value: impl Fn([u8; N]) -> T) -> io::Result<Vec<T>> {
+    // Grows with what is really there, so that a wrong count costs no memory.
+    let mut values = Vec::new();
+    let mut bytes = vec![0; BLOCK * N];
+    while values.len() < count {
+        let block = &mut bytes[..BLOCK.min(count - values.len()) * N];
+        from.read_exact(block)?;
+        values.extend(block.as_chunks().0.iter().map(|&chunk| value(chunk)));
+    }
+    Ok(values)
+}

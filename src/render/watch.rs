@@ -1,0 +1,40 @@
+//! Who looks over a render's shoulder: may save it, show it, or stop it between two units.
+
+use super::RenderState;
+use super::progress::Progress;
+
+/// Hears of the progress, and is asked between units.
+pub trait Watch: Progress {
+    /// Whether no further unit shall be begun; asked by any thread.
+    fn stop(&self) -> bool {
+        false
+    }
+    /// A unit was added to the film.
+    fn unit_added(&self, _state: &RenderState) {}
+    /// A pass was ended.
+    fn pass_ended(&self, _state: &RenderState) {}
+}
+
+/// The render was stopped before it was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stopped;
+
+/// Lets a render run to its end.
+pub struct Unattended<'a>(pub &'a dyn Progress);
+
+impl Progress for Unattended<'_> {
+    fn phase(&self, name: &str, total: u64) {
+        self.0.phase(name, total);
+    }
+    fn advance(&self, n: u64) {
+        self.0.advance(n);
+    }
+    fn finish(&self) {
+        self.0.finish();
+    }
+    fn skip(&self, n: u64) {
+        self.0.skip(n);
+    }
+}
+
+impl Watch for Unattended<'_> {}
