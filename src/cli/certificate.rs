@@ -2,39 +2,39 @@
 
 use std::collections::BTreeMap;
 
-use pdembree::output::BirthCertificate;
-use pdembree::output::sidecar::{
-    BackendIdentity, Phase, Program, RefusedSamples, SCHEMA, SceneIdentity, settings_by_name,
-};
+use pdembree::output::sidecar::{Phase, RefusedSamples, SCHEMA};
+use pdembree::output::{BirthCertificate, PartInfo};
 use pdembree::render::RenderState;
-use pdembree::world::World;
 use serde::Serialize;
 
 use super::memory;
 
 /// What only the command knows.
 pub struct Circumstances {
-    pub scene: std::path::PathBuf,
     pub threads: usize,
     pub seconds: f64,
     pub phases: Vec<Phase>,
     pub warnings: Vec<String>,
 }
 
-pub fn certificate(world: &World, rendered: &RenderState, circumstances: Circumstances) -> BirthCertificate {
-    let RenderState { film, report } = rendered;
-    let settings = &world.scene.settings;
+pub fn certificate(info: &PartInfo, state: &RenderState, circumstances: Circumstances) -> BirthCertificate {
+    let RenderState { film, report } = state;
     let mut counters = counts(&report.photons);
     counters.insert("invalid_rays".to_owned(), report.invalid_rays);
+    counters.insert("inexact_hits".to_owned(), report.inexact_hits);
+    let mut settings = info.identity.settings.clone();
+    settings.insert("passes".to_owned(), report.passes.into());
     BirthCertificate {
         schema: SCHEMA,
-        program: Program::this(),
+        program: info.identity.program.clone(),
         command: std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect(),
-        scene: SceneIdentity { path: circumstances.scene, hash: world.scene.hash.clone() },
-        resolution: world.scene.camera.resolution,
-        settings: settings_by_name(settings),
-        backend: BackendIdentity { name: settings.backend.name().to_owned(), version: world.backend.describe() },
+        scene: info.scene.clone(),
+        resolution: info.identity.resolution,
+        settings,
+        backend: info.identity.backend.clone(),
+        first_pass: film.first_pass(),
         passes: report.passes,
+        noise: film.noise().map(|noise| noise.relative),
         photons_emitted: report.photons.photons_emitted,
         photons_stored: report.photons.photons_stored,
         counters,
@@ -43,8 +43,10 @@ pub fn certificate(world: &World, rendered: &RenderState, circumstances: Circums
         warnings: circumstances.warnings,
         threads: circumstances.threads,
         seconds: circumstances.seconds,
+        render_seconds: report.seconds,
         phases: circumstances.phases,
         peak_memory_bytes: memory::peak(),
+        parts: None,
     }
 }
 

@@ -56,7 +56,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let fast = if own == BackendKind::Obvhs { BackendKind::Embree } else { BackendKind::Obvhs };
     let other = args.against.as_deref().and_then(BackendKind::from_name).unwrap_or(fast);
     args.work.start_threads()?;
-    let reporter = args.work.reporter(verbosity, 1);
+    let reporter = args.work.reporter(verbosity);
     let found = crosscheck(scene, [own, other], args.rays, &reporter).map_err(|error| failure(&error))?;
     reporter.end();
     let answer = answer(found, args.bound);

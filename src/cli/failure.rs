@@ -2,15 +2,19 @@
 
 use std::process::ExitCode;
 
-use pdembree::output::{ReadError, WriteError};
+use pdembree::output::lock::LockError;
+use pdembree::output::{PartError, ReadError, WriteError};
+use pdembree::render::store::StoreError;
 
 use super::console::{Verbosity, note};
 
-/// Exit codes; 65 to 74 are those of sysexits.h.
+/// Exit codes; 65 to 75 are those of sysexits.h.
 pub mod code {
     /// The work failed, or pictures differ.
     pub const FAILED: u8 = 1;
     pub const USAGE: u8 = 2;
+    /// Finished, but not as good as was asked for.
+    pub const INCOMPLETE: u8 = 3;
     /// EX_DATAERR: a scene or picture is wrong.
     pub const BAD_DATA: u8 = 65;
     /// EX_NOINPUT: an input is missing or cannot be read.
@@ -19,6 +23,8 @@ pub mod code {
     pub const CANNOT_CREATE: u8 = 73;
     /// EX_IOERR: writing failed.
     pub const WRITE_FAILED: u8 = 74;
+    /// EX_TEMPFAIL: worth another try later.
+    pub const TEMPORARY: u8 = 75;
 }
 
 /// An exit code and why. The message names the place and what to do; an empty one was printed already.
@@ -50,6 +56,23 @@ impl From<WriteError> for Failure {
                 code::CANNOT_CREATE
             }
             _ => code::WRITE_FAILED,
+        };
+        Failure::new(code, error.to_string())
+    }
+}
+
+impl From<LockError> for Failure {
+    fn from(error: LockError) -> Failure {
+        let code = if matches!(error, LockError::Held { .. }) { code::TEMPORARY } else { code::CANNOT_CREATE };
+        Failure::new(code, error.to_string())
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Failure {
+        let code = match error {
+            StoreError::Part(PartError::Missing { .. } | PartError::Io { .. }) => code::NO_INPUT,
+            _ => code::BAD_DATA,
         };
         Failure::new(code, error.to_string())
     }

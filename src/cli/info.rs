@@ -58,7 +58,7 @@ struct SceneInfo {
     lights: usize,
     /// Corners of the box around everything, metres.
     bounds: [[f64; 3]; 2],
-    settings: BTreeMap<&'static str, serde_json::Value>,
+    settings: BTreeMap<String, serde_json::Value>,
 }
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {

@@ -8,16 +8,21 @@ mod compare;
 mod completions;
 mod console;
 mod crosscheck;
+mod eta;
 mod failure;
 mod info;
+mod keeper;
 mod man;
 mod memory;
+mod merge;
 mod number;
+mod outputs;
 mod photons;
 mod problems;
 mod progress;
 mod render;
 mod scene;
+mod signals;
 mod study;
 mod work;
 
@@ -29,10 +34,13 @@ use self::console::Verbosity;
 
 #[derive(Parser)]
 #[command(name = "pdembree", version, about = "A renderer for caustics: photon differentials on Embree")]
-#[command(after_help = "Exit codes: 0 done, 1 failed (or pictures differ), 2 wrong usage, 65 bad scene or picture, \
-    66 input missing, 73 output cannot be created, 74 writing failed.\n\
+#[command(
+    after_help = "Exit codes: 0 done, 1 failed (or pictures differ), 2 wrong usage, 3 not as good as asked for, 65 bad scene, \
+    picture or part, 66 input missing, 73 output cannot be created, 74 writing failed, 75 try again later, 130 or 143 \
+    stopped by a signal.\n\
     Most options can also be set by PDEMBREE_<OPTION> in the environment; the command line wins, then the \
-    environment, then the scene file.")]
+    environment, then the scene file."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -43,6 +51,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(render::Args),
+    Merge(merge::Args),
     Photons(photons::Args),
     Crosscheck(crosscheck::Args),
     Check(check::Args),
@@ -56,8 +65,10 @@ enum Command {
 /// What the program does; errors of usage end in clap with code 2.
 pub fn run() -> ExitCode {
     let Cli { command, verbosity } = Cli::parse();
+    let listener = if let Command::Render(args) = &command { Some(args.progress()) } else { None };
     let result = match command {
         Command::Render(args) => render::run(&args, verbosity),
+        Command::Merge(args) => merge::run(&args, verbosity),
         Command::Crosscheck(args) => crosscheck::run(&args, verbosity),
         Command::Photons(args) => photons::run(&args, verbosity),
         Command::Check(args) => check::run(&args, verbosity),
@@ -69,7 +80,12 @@ pub fn run() -> ExitCode {
     };
     match result {
         Ok(code) => code,
-        Err(failure) => failure.report(verbosity),
+        Err(failure) => {
+            // A farm that listens on stdout is told there too.
+            let told = listener.and_then(|mode| mode.failure(&failure.message));
+            let _ = told.map(|line| console::print(&line));
+            failure.report(verbosity)
+        }
     }
 }
 

@@ -47,7 +47,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let loaded = args.scene.load(verbosity)?;
     probe(&args.output, args.make_path)?;
     args.work.start_threads()?;
-    let reporter = args.work.reporter(verbosity, 2);
+    let reporter = args.work.reporter(verbosity);
     let world = world(loaded.scene)?;
     let map = shoot_all(&world, 0, &reporter);
     reporter.phase("write", 1);

@@ -2,146 +2,293 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use pdembree::film::PixelBounds;
+use pdembree::output::lock::Lock;
 use pdembree::output::sidecar::Phase;
 use pdembree::output::target::probe;
-use pdembree::output::{BirthCertificate, Format, Target, exr, png};
+use pdembree::output::tev::Viewer;
+use pdembree::output::{BirthCertificate, PartInfo};
+use pdembree::render::budget::{Budget, MAX_PASSES};
 use pdembree::render::progress::Progress;
-use pdembree::render::{RenderState, render};
-use pdembree::scene::RenderSettings;
+use pdembree::render::store::{self, Assignment};
+use pdembree::render::{Ended, RenderState, go_on, memory, tiling};
 use pdembree::scene::settings::Method;
 use pdembree::world::World;
 
 use super::certificate::{Circumstances, certificate};
 use super::console::{Verbosity, note};
 use super::failure::{Failure, code};
-use super::number::finite;
-use super::progress::duration;
+use super::keeper::{Checkpoint, Keeper};
+use super::number::{bytes, fraction, length_of_time, range, tile};
+use super::outputs::{OutputArgs, Outputs, rescued, snapshot_beside};
+use super::progress::{Mode, duration, size};
 use super::scene::SceneArgs;
+use super::signals::Signals;
 use super::work::{WorkArgs, world};
 
 /// Render a scene into a picture
 ///
 /// Beside the picture out.exr stands its birth certificate, out.exr.json: what made it, from what, with which settings
 /// and seed, and what happened on the way. Files are written whole or not at all.
+///
+/// SIGINT (Ctrl-C) and SIGTERM finish the units under way, save the checkpoint and a snapshot and exit with 130 or 143;
+/// a second one ends at once. SIGUSR1 writes out.snapshot.exr, the picture so far.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Picture to write; .exr: linear light and all layers, .png: 8-bit sRGB
-    #[arg(short, long, visible_alias = "outfile", value_name = "FILE")]
-    output: PathBuf,
-    /// Write a PNG of the beauty too
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
-    /// Multiply PNGs by 2^STOPS
-    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
-    exposure: f64,
-    /// Make the folders of the outputs
-    #[arg(long)]
-    make_path: bool,
-    /// Leave times, threads and the command out of the EXR's header, so that equal renders are equal files
-    #[arg(long)]
-    no_timestamps: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+    #[command(flatten)]
+    until: UntilArgs,
+    #[command(flatten)]
+    part: PartArgs,
+    #[command(flatten)]
+    keep: KeepArgs,
     #[command(flatten)]
     work: WorkArgs,
+}
+
+/// The first of these ends the render; with one of the two given, --passes counts only if it is given too.
+#[derive(clap::Args)]
+#[command(next_help_heading = "How long (default: the passes that the scene file says)")]
+struct UntilArgs {
+    /// Begin no pass that would probably end later than this: 90s, 10m, 1.5h
+    #[arg(long, env = "PDEMBREE_TIME_LIMIT", value_name = "TIME", value_parser = length_of_time)]
+    time_limit: Option<Duration>,
+    /// Stop when the noise, the mean over the pixels of standard error over luminance, is below this: 0.02
+    #[arg(long, env = "PDEMBREE_TARGET_ERROR", visible_alias = "target-noise", value_name = "X", value_parser = fraction)]
+    target_error: Option<f64>,
+    /// Exit with 3 if the wanted error was not reached
+    #[arg(long, requires = "target_error")]
+    strict: bool,
+}
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Parts of a render, for farms; `pdembree merge` puts them together")]
+struct PartArgs {
+    /// Render the passes A, A + 1, ... B - 1 only, and keep their sums in out.pdpart; does nothing if they are there
+    #[arg(long, value_name = "A..B", value_parser = range, conflicts_with_all = ["time_limit", "target_error"])]
+    pass_range: Option<(u32, u32)>,
+    /// Render tile J of M only, J from 0, and keep its sums in out.pdpart; does nothing if they are there
+    #[arg(long, value_name = "J/M", value_parser = tile)]
+    tile: Option<(u32, u32)>,
+}
+
+#[derive(clap::Args)]
+#[command(next_help_heading = "Looking after it")]
+struct KeepArgs {
+    /// Save the render here while it works, and at its end
+    #[arg(long, env = "PDEMBREE_CHECKPOINT", value_name = "FILE")]
+    checkpoint: Option<PathBuf>,
+    /// How often
+    #[arg(long, env = "PDEMBREE_EVERY", value_name = "TIME", default_value = "60s", value_parser = length_of_time, requires = "checkpoint")]
+    every: Duration,
+    /// Go on where the checkpoint ends; from the start if there is none yet
+    #[arg(long, requires = "checkpoint")]
+    resume: bool,
+    /// Memory for a pass's photons: more of them are split into several passes. Suffixes K, M, G for powers of 1024
+    #[arg(long, env = "PDEMBREE_PHOTON_MEMORY", value_name = "BYTES", value_parser = bytes)]
+    photon_memory: Option<u64>,
+    /// Show the picture in a viewer that speaks tev's protocol; one that is slow or absent does no harm
+    #[arg(long, env = "PDEMBREE_DISPLAY_SERVER", value_name = "HOST[:PORT]")]
+    display_server: Option<String>,
+}
+
+impl Args {
+    /// How progress is told.
+    pub fn progress(&self) -> Mode {
+        self.work.progress()
+    }
 }
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     // A wrong name is told before a large scene is read; folders are made only for a good scene.
-    Format::of(&args.output)?;
+    Outputs::check_names(&args.output)?;
+    let viewer = open_viewer(args)?;
     let loaded = args.scene.load(verbosity)?;
-    let outputs = Outputs::check(args)?;
+    let is_a_part = args.part.pass_range.is_some() || args.part.tile.is_some();
+    let outputs = Outputs::check(&args.output, is_a_part)?;
     let threads = args.work.start_threads()?;
-    let reporter = args.work.reporter(verbosity, phases(&loaded.scene.settings));
+    let reporter = args.work.reporter(verbosity);
+    let signals =
+        Signals::watch().map_err(|error| Failure::new(code::FAILED, format!("cannot listen to signals: {error}")))?;
 
     reporter.phase("scene", 1);
-    let world = world(loaded.scene)?;
+    let mut world = world(loaded.scene)?;
     reporter.finish();
-    let rendered = render(&world, &reporter).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
+    fit_memory(&mut world, args.keep.photon_memory, verbosity);
+    let plan = Plan::new(args, &world)?;
+    let info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
+    if let Some(part) = outputs.part() {
+        if outputs.exist() && store::is_done(part, &info, &plan.assignment) {
+            reporter.end();
+            note(verbosity, "done", &format!("{} was there already", part.display()));
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+
+    let (_lock, mut state) = begin(args, &world, &info, &plan, verbosity)?;
+    let checkpoint =
+        args.keep.checkpoint.clone().map(|path| Checkpoint { path, every: args.keep.every, info: info.clone() });
+    let keeper = Keeper::new(
+        &reporter,
+        &signals,
+        checkpoint,
+        viewer,
+        snapshot_beside(&args.output.output),
+        info.identity.resolution,
+        verbosity,
+    );
+    let before = state.film.passes();
+    reporter.expect(&plan.budget, before);
+    let wanted = |state: &RenderState| {
+        reporter.pass(state.film.passes(), plan.budget.enough(state));
+        plan.budget.wants_more(state, start.elapsed(), state.film.passes() - before)
+    };
+    let ended =
+        go_on(&world, &mut state, &keeper, wanted).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
+    keeper.save(&state).map_err(|error| rescued(error, &info, &state))?;
+    if ended == Ended::Stopped {
+        return stopped(&keeper, &state, verbosity);
+    }
 
     let mut warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
-    let found = findings(&world, &rendered);
+    let found = findings(&world, &state, &plan.budget);
     warnings.extend(found.iter().cloned());
-    let circumstances = |phases: Vec<Phase>| Circumstances {
-        scene: args.scene.scene.clone(),
-        threads,
-        seconds: start.elapsed().as_secs_f64(),
-        phases,
-        warnings,
-    };
-    let certificate = certificate(&world, &rendered, circumstances(reporter.phases()));
-    outputs.write(args, &rendered, &certificate, &reporter)?;
+    let circumstances =
+        |phases: Vec<Phase>| Circumstances { threads, seconds: start.elapsed().as_secs_f64(), phases, warnings };
+    let certificate = certificate(&info, &state, circumstances(reporter.phases()));
+    outputs.write(&info, &state, &certificate, &reporter).map_err(|error| rescued(error, &info, &state))?;
+    let trouble = keeper.close_viewer(&state);
     reporter.end();
 
-    found.iter().for_each(|warning| note(verbosity, "warning", warning));
-    note(verbosity, "done", &farewell(&args.output, &certificate));
+    found.iter().chain(&trouble).for_each(|warning| note(verbosity, "warning", warning));
+    note(verbosity, "done", &farewell(&args.output.output, &certificate));
     if verbosity.verbose {
         details(&certificate, verbosity);
     }
-    Ok(ExitCode::SUCCESS)
+    let missed = args.until.strict && !plan.budget.is_good_enough(&state);
+    Ok(if missed { ExitCode::from(code::INCOMPLETE) } else { ExitCode::SUCCESS })
 }
 
-/// How many phases a render announces: the scene, those of each pass, the writing.
-fn phases(settings: &RenderSettings) -> u64 {
-    let in_a_pass = match settings.method {
-        Method::PhotonMap => 2,
-        Method::LightTrace => 3,
-        Method::Path => 1,
+/// What is to be rendered, and until when.
+struct Plan {
+    assignment: Assignment,
+    budget: Budget,
+    /// Of the whole render.
+    wanted_passes: u32,
+}
+
+impl Plan {
+    fn new(args: &Args, world: &World) -> Result<Plan, Failure> {
+        let resolution = world.scene.camera.resolution;
+        let pixels = match args.part.tile {
+            None => PixelBounds::whole(resolution),
+            Some((j, m)) => tiling::tile(resolution, j, m).ok_or_else(|| {
+                let [width, height] = resolution;
+                let message = format!("--tile {j}/{m}: tiles are 0/{m} to {}/{m}, and {width} x {height} pixels can be cut into {} at most", m - 1, tiling::most(resolution));
+                Failure::new(code::USAGE, message)
+            })?,
+        };
+        let passes = world.scene.settings.passes;
+        let (first, end) = args.part.pass_range.unwrap_or((0, passes));
+        let open = (args.until.time_limit.is_some() || args.until.target_error.is_some()) && !args.scene.gives_passes();
+        let end = if open { MAX_PASSES } else { end };
+        let budget = Budget { end, time: args.until.time_limit, error: args.until.target_error };
+        let wanted_passes = if open { 0 } else { passes.max(end) };
+        Ok(Plan { assignment: Assignment { pixels, passes: first..end }, budget, wanted_passes })
+    }
+}
+
+fn open_viewer(args: &Args) -> Result<Option<Viewer>, Failure> {
+    let name = args.output.output.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let open = |address: &String| Viewer::open(address, &name);
+    args.keep
+        .display_server
+        .as_ref()
+        .map(open)
+        .transpose()
+        .map_err(|error| Failure::new(code::USAGE, format!("--display-server: {error}")))
+}
+
+/// Splits passes whose photons would not fit into the memory for them.
+fn fit_memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
+    if limit.is_none() && !verbosity.verbose || world.scene.settings.method != Method::PhotonMap {
+        return;
+    }
+    let estimate = memory::estimate(world);
+    let about = format!(
+        "about {} of {} photons are stored in a pass, {} at {} bytes each",
+        estimate.stored,
+        world.scene.settings.photons,
+        size(estimate.bytes()),
+        memory::BYTES_PER_PHOTON
+    );
+    let split = limit.and_then(|limit| memory::split(&world.scene.settings, &estimate, limit));
+    let what = match &split {
+        None => String::new(),
+        Some(settings) => format!("; split into {} passes of {} photons", settings.passes, settings.photons),
     };
-    2 + in_a_pass * u64::from(settings.passes)
+    note(verbosity, "photons", &(about + &what));
+    if let Some(settings) = split {
+        world.scene.settings = settings;
+    }
 }
 
-/// Files that can be written, as far as one can know before the work.
-struct Outputs {
-    picture: Target,
-    png: Option<Target>,
+/// Locks the checkpoint and reads it, or begins from nothing.
+fn begin(
+    args: &Args,
+    world: &World,
+    info: &PartInfo,
+    plan: &Plan,
+    verbosity: Verbosity,
+) -> Result<(Option<Lock>, RenderState), Failure> {
+    let fresh = || RenderState::new(world, plan.assignment.pixels, plan.assignment.passes.start);
+    let Some(path) = &args.keep.checkpoint else { return Ok((None, fresh())) };
+    probe(path, args.output.make_path)?;
+    let lock = Lock::of(path)?;
+    let state = match (path.exists(), args.keep.resume) {
+        (false, _) => fresh(),
+        (true, true) => {
+            let state = store::resume(path, info, &plan.assignment)?;
+            let under_way = if state.film.is_between_passes() { "" } else { " and a part of the next" };
+            note(verbosity, "resume", &format!("{}: {} passes{under_way}", path.display(), state.film.passes()));
+            state
+        }
+        (true, false) => {
+            let message =
+                format!("{}: there is a checkpoint; add --resume to go on with it, or delete it", path.display());
+            return Err(Failure::new(code::CANNOT_CREATE, message));
+        }
+    };
+    Ok((Some(lock), state))
 }
 
-impl Outputs {
-    fn check(args: &Args) -> Result<Outputs, Failure> {
-        let picture = Target::picture(&args.output, args.make_path)?;
-        probe(&BirthCertificate::path_beside(&args.output), args.make_path)?;
-        let png = args.png.as_deref().map(|path| Target::picture(path, args.make_path)).transpose()?;
-        match png {
-            Some(png) if png.format() != Format::Png => {
-                let message = format!("{}: --png writes PNG; end the name in .png", png.path().display());
-                Err(Failure::new(code::USAGE, message))
-            }
-            png => Ok(Outputs { picture, png }),
-        }
+/// Ends a render that a signal stopped: what there is was saved, and is shown.
+fn stopped(keeper: &Keeper, state: &RenderState, verbosity: Verbosity) -> Result<ExitCode, Failure> {
+    keeper.reporter.end();
+    let passes = state.film.passes();
+    let mut told = format!("after {passes} passes");
+    match &keeper.checkpoint {
+        Some(checkpoint) => told += &format!("; --resume goes on with {}", checkpoint.path.display()),
+        None => told += "; with --checkpoint it could be resumed",
     }
-
-    /// The picture first: it is what cannot be made again in a second.
-    fn write(
-        &self,
-        args: &Args,
-        rendered: &RenderState,
-        certificate: &BirthCertificate,
-        progress: &dyn Progress,
-    ) -> Result<(), Failure> {
-        progress.phase("write", 1);
-        let image = rendered.film.resolve();
-        let path = self.picture.path();
-        match self.picture.format() {
-            Format::Exr => exr::write(path, &image, &certificate.attributes(!args.no_timestamps))?,
-            Format::Png => png::write(path, &image, args.exposure)?,
-        }
-        if let Some(png) = &self.png {
-            png::write(png.path(), &image, args.exposure)?;
-        }
-        certificate.write_beside(path)?;
-        progress.finish();
-        Ok(())
+    if passes > 0 {
+        keeper.write_snapshot(state)?;
+        told += &format!("; {} shows it", keeper.snapshot.display());
     }
+    note(verbosity, "stopped", &told);
+    Ok(ExitCode::from(keeper.signals.exit_code().unwrap_or(code::FAILED)))
 }
 
 /// What happened that the user should know: every fallback is told.
-fn findings(world: &World, rendered: &RenderState) -> Vec<String> {
-    let refused = rendered.film.refused();
-    let photons = &rendered.report.photons;
+fn findings(world: &World, state: &RenderState, budget: &Budget) -> Vec<String> {
+    let refused = state.film.refused();
+    let photons = &state.report.photons;
     let mut found = Vec::new();
     if refused.total() > 0 {
         let first = refused
@@ -156,8 +303,8 @@ fn findings(world: &World, rendered: &RenderState) -> Vec<String> {
             refused.negative
         ));
     }
-    if rendered.report.invalid_rays > 0 {
-        found.push(format!("{} rays were not finite and hit nothing", rendered.report.invalid_rays));
+    if state.report.invalid_rays > 0 {
+        found.push(format!("{} rays were not finite and hit nothing", state.report.invalid_rays));
     }
     let broken = photons.broken_columns + photons.broken_flux;
     if broken > 0 {
@@ -165,6 +312,11 @@ fn findings(world: &World, rendered: &RenderState) -> Vec<String> {
     }
     if world.scene.settings.method == Method::PhotonMap && world.aim.is_some() && photons.photons_stored == 0 {
         found.push("no photon was stored: no light reaches a matt surface over a specular one".to_owned());
+    }
+    if let Some(wanted) = budget.error.filter(|_| !budget.is_good_enough(state)) {
+        let noise = state.film.noise().map_or_else(|| "unknown".to_owned(), |noise| format!("{:.4}", noise.relative));
+        found
+            .push(format!("the error of {wanted} was not reached; it is {noise} after {} passes", state.film.passes()));
     }
     found
 }
@@ -174,8 +326,9 @@ fn farewell(output: &Path, certificate: &BirthCertificate) -> String {
         0 => String::new(),
         emitted => format!(", {} of {emitted} photons stored", certificate.photons_stored),
     };
+    let noise = certificate.noise.map_or_else(String::new, |noise| format!(", noise {noise:.4}"));
     let memory = certificate.peak_memory_bytes.map_or_else(String::new, |b| format!(", {} MiB", b >> 20));
-    format!("{} in {}{photons}{memory}", output.display(), duration(certificate.seconds))
+    format!("{} in {}{photons}{noise}{memory}", output.display(), duration(certificate.seconds))
 }
 
 fn details(certificate: &BirthCertificate, verbosity: Verbosity) {

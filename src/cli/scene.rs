@@ -145,6 +145,11 @@ impl SettingsArgs {
 }
 
 impl SceneArgs {
+    /// Whether the command line or the environment, and not only the scene file, says how many passes there are.
+    pub fn gives_passes(&self) -> bool {
+        self.settings.passes.is_some()
+    }
+
     /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.
     pub fn load(&self, verbosity: Verbosity) -> Result<Loaded, Failure> {
         let overrides = [self.define.clone(), self.settings.overrides()].concat();

@@ -16,7 +16,7 @@ pub struct WorkArgs {
     /// Threads [default: one for each processor]
     #[arg(short = 't', long = "nthreads", env = "PDEMBREE_NTHREADS", value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// How progress is told on stderr
+    /// How progress is told: on stderr, for alf and openjd on stdout
     #[arg(long, env = "PDEMBREE_PROGRESS", value_name = "HOW", value_enum, default_value = "auto")]
     progress: Mode,
 }
@@ -34,8 +34,13 @@ impl WorkArgs {
         Reporter::of_steps(self.progress, verbosity, steps)
     }
 
-    pub fn reporter(&self, verbosity: Verbosity, phases: u64) -> Reporter {
-        Reporter::new(self.progress, verbosity, phases)
+    pub fn reporter(&self, verbosity: Verbosity) -> Reporter {
+        Reporter::new(self.progress, verbosity)
+    }
+
+    /// How progress is told.
+    pub fn progress(&self) -> Mode {
+        self.progress
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod atomic;
 pub mod error;
 pub mod exr;
+pub mod lock;
 pub mod part;
 pub mod photon_dump;
 pub mod png;
@@ -11,7 +12,7 @@ pub mod target;
 pub mod tev;
 
 pub use error::{PartError, ReadError, WriteError};
-pub use part::{Identity, Part};
+pub use part::{Identity, Part, PartInfo};
 pub use photon_dump::DumpedPhoton;
 pub use sidecar::BirthCertificate;
 pub use target::{Format, Target};

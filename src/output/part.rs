@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atomic;
 use super::error::{PartError, WriteError};
-use super::sidecar::{BackendIdentity, Program};
+use super::sidecar::{BackendIdentity, Program, SceneIdentity};
 use crate::film::{Film, FilmShape};
 
 /// The first bytes of every part; the number grows with the layout.
@@ -73,33 +73,34 @@ impl Identity {
     }
 }
 
+/// What is known of a render in the middle, beside its film.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartInfo {
+    pub identity: Identity,
+    /// Where the scene came from.
+    pub scene: SceneIdentity,
+    /// Passes of the whole render, as far as whoever rendered this knew.
+    pub wanted_passes: u32,
+    /// What the render did so far; its conductor writes and reads it.
+    pub report: serde_json::Value,
+}
+
 /// A render in the middle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    pub identity: Identity,
-    /// Passes of the whole render, as far as whoever rendered this knew.
-    pub wanted_passes: u32,
-    /// What else is known of the render; its conductor writes and reads it.
-    pub report: serde_json::Value,
+    pub info: PartInfo,
     pub film: Film,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Header {
-    identity: Identity,
-    wanted_passes: u32,
-    report: serde_json::Value,
+    info: PartInfo,
     film: FilmShape,
 }
 
-/// Writes `part`, whole or not at all.
-pub fn write(path: &Path, part: &Part) -> Result<(), WriteError> {
-    let header = Header {
-        identity: part.identity.clone(),
-        wanted_passes: part.wanted_passes,
-        report: part.report.clone(),
-        film: part.film.shape(),
-    };
+/// Writes a part, whole or not at all.
+pub fn write(path: &Path, info: &PartInfo, film: &Film) -> Result<(), WriteError> {
+    let header = Header { info: info.clone(), film: film.shape() };
     let unfit = |e: serde_json::Error| WriteError::Unfit { path: path.to_owned(), reason: e.to_string() };
     let header = serde_json::to_vec(&header).map_err(unfit)?;
     atomic::write_with(path, |file| {
@@ -108,7 +109,7 @@ pub fn write(path: &Path, part: &Part) -> Result<(), WriteError> {
         out.write_all(&(header.len() as u64).to_le_bytes())?;
         out.write_all(&header)?;
         let mut squeezed = zstd::Encoder::new(&mut out, LEVEL)?;
-        part.film.write_sums(&mut squeezed)?;
+        film.write_sums(&mut squeezed)?;
         squeezed.finish()?;
         let digest = out.hasher.finalize();
         out.out.write_all(digest.as_bytes())?;
@@ -151,7 +152,12 @@ pub fn read(path: &Path) -> Result<Part, PartError> {
         Ok(0) => {}
         _ => return Err(damaged("there is more in it than its header says")),
     }
-    Ok(Part { identity: header.identity, wanted_passes: header.wanted_passes, report: header.report, film })
+    Ok(Part { info: header.info, film })
+}
+
+/// The digest at the end of a part's file, as it stands there; none where there is no part.
+pub fn digest(path: &Path) -> Option<[u8; DIGEST]> {
+    std::fs::read(path).ok()?.last_chunk().copied()
 }
 
 /// Passes bytes on and digests them.

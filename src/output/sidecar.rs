@@ -22,10 +22,10 @@ pub struct Program {
     pub commit: Option<String>,
 }
 
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneIdentity {
     pub path: PathBuf,
-    /// Digest of everything in the scene that can change a pixel.
+    /// Digest of the scene's contents, without the settings.
     pub hash: String,
 }
 
@@ -108,9 +108,13 @@ pub struct BirthCertificate {
     /// Pixels.
     pub resolution: [u32; 2],
     /// Every setting by the name that scene files and the command line give it.
-    pub settings: BTreeMap<&'static str, serde_json::Value>,
+    pub settings: BTreeMap<String, serde_json::Value>,
     pub backend: BackendIdentity,
+    /// Number of the first pass.
+    pub first_pass: u32,
     pub passes: u32,
+    /// How noisy the picture is, see `film::Noise`; absent for one pass.
+    pub noise: Option<f64>,
     pub photons_emitted: u64,
     pub photons_stored: u64,
     /// What became of photons and rays, by cause.
@@ -122,13 +126,17 @@ pub struct BirthCertificate {
     pub threads: usize,
     /// Wall-clock time from the start of the program until the picture was whole.
     pub seconds: f64,
+    /// Wall-clock time of the rendering alone, added up over resumes and machines.
+    pub render_seconds: f64,
     pub phases: Vec<Phase>,
     /// Peak resident memory of the process.
     pub peak_memory_bytes: Option<u64>,
+    /// Digest of the parts that the picture was put together from.
+    pub parts: Option<String>,
 }
 
 /// Every setting under its name in scene files.
-pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, serde_json::Value> {
+pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_json::Value> {
     let bandwidth = match settings.bandwidth {
         Bandwidth::Auto => "auto".into(),
         Bandwidth::Scale(s) => s.into(),
@@ -138,7 +146,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, ser
         Radius::Metres(radius) => radius.into(),
     };
     let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
-    BTreeMap::from([
+    let all: [(&str, serde_json::Value); 16] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -155,7 +163,8 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<&'static str, ser
         ("max_depth", settings.max_depth.into()),
         ("max_bounces", settings.max_bounces.into()),
         ("layers", layers.into()),
-    ])
+    ];
+    all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 impl BirthCertificate {
@@ -168,11 +177,15 @@ impl BirthCertificate {
 
     /// Writes it beside `picture`, whole or not at all.
     pub fn write_beside(&self, picture: &Path) -> Result<(), WriteError> {
-        let path = BirthCertificate::path_beside(picture);
-        let unfit = |e: serde_json::Error| WriteError::Unfit { path: path.clone(), reason: e.to_string() };
+        self.write(&BirthCertificate::path_beside(picture))
+    }
+
+    /// Writes it to `path`, whole or not at all.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        let unfit = |e: serde_json::Error| WriteError::Unfit { path: path.to_owned(), reason: e.to_string() };
         let mut text = serde_json::to_vec_pretty(self).map_err(unfit)?;
         text.push(b'\n');
-        atomic::write(&path, &text)
+        atomic::write(path, &text)
     }
 
     /// The short form for a picture's own header: name and value. What differs between two runs that must give the
@@ -180,7 +193,7 @@ impl BirthCertificate {
     pub fn attributes(&self, with_circumstances: bool) -> Vec<(String, String)> {
         let text = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let mut all: Vec<(String, String)> =
-            self.settings.iter().map(|(name, value)| ((*name).to_owned(), text(value))).collect();
+            self.settings.iter().map(|(name, value)| (name.clone(), text(value))).collect();
         let mut add = |name: &str, value: String| all.push((name.to_owned(), value));
         add("version", self.program.version.clone());
         if let Some(commit) = &self.program.commit {

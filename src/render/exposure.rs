@@ -56,7 +56,7 @@ pub fn expose(job: &Job, finds: EyeFinds, estimate: Option<&Estimate>, state: &m
     let unit = |i: usize| exposure.tile(Tile::new(&layout, tiles[i], pass));
     run_units(&missing, job.watch, unit, |i, tile| {
         state.film.add_tile(i, &tile);
-        job.watch.unit_added(state);
+        job.watch.look(state);
     })?;
     job.watch.finish();
     Ok(())

@@ -77,7 +77,7 @@ fn shoot(
     };
     run_units(&missing, job.watch, trace, |i, splats| {
         state.film.add_splats(exposure, i, &splats);
-        job.watch.unit_added(state);
+        job.watch.look(state);
     })?;
     job.watch.finish();
     Ok(())

@@ -3,12 +3,16 @@
 //! A render is a set of numbered passes. Pass i is a pure function of (scene, settings, i); the film is their mean. Its
 //! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
+pub mod budget;
 pub mod crosscheck;
 pub mod exposure;
 pub mod eye_path;
 pub mod light_trace;
+pub mod memory;
 pub mod photon_map;
 pub mod progress;
+pub mod store;
+pub mod tiling;
 pub mod unit;
 pub mod watch;
 
@@ -54,15 +58,10 @@ impl RenderState {
         RenderState { film, report: RenderReport::default() }
     }
 
-    /// Adds another render of the same pixels, or puts in one of some of them.
-    pub fn merge(&mut self, other: &RenderState) {
-        if self.film.bounds() == other.film.bounds() {
-            self.film.add_passes(&other.film);
-        } else {
-            self.film.paste(&other.film);
-        }
-        self.report.merge(&other.report);
-        self.report.passes = self.film.passes();
+    /// Adds other passes of the same pixels.
+    pub fn add_passes(&mut self, other: &RenderState) {
+        self.film.add_passes(&other.film);
+        self.report.add_passes(&other.report);
     }
 }
 
@@ -123,7 +122,7 @@ pub fn go_on(
         state.film.end_pass();
         state.report.passes = state.film.passes();
         state.report.seconds = before + start.elapsed().as_secs_f64();
-        watch.pass_ended(state);
+        watch.look(state);
     }
     state.report.invalid_rays += world.backend.invalid_rays() - invalid_rays;
     state.report.inexact_hits += world.inexact_hits() - inexact_hits;
@@ -150,9 +149,23 @@ impl RenderReport {
         }
     }
 
-    /// Adds what another render of the same scene did.
-    fn merge(&mut self, other: &RenderReport) {
+    /// Adds what was done for other passes.
+    fn add_passes(&mut self, other: &RenderReport) {
+        self.passes += other.passes;
         self.add_photons(&other.photons, &other.photons_by_light);
+        self.add_work(other);
+    }
+
+    /// Adds what was done for other pixels of the same passes; every tile traces the same photons.
+    fn paste(&mut self, other: &RenderReport, first: bool) {
+        if first {
+            self.passes = other.passes;
+            self.add_photons(&other.photons, &other.photons_by_light);
+        }
+        self.add_work(other);
+    }
+
+    fn add_work(&mut self, other: &RenderReport) {
         self.invalid_rays += other.invalid_rays;
         self.inexact_hits += other.inexact_hits;
         self.seconds += other.seconds;

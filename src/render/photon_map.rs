@@ -9,7 +9,7 @@ use super::{Job, RenderState};
 use crate::estimate::{Estimate, bandwidth};
 use crate::light::Aim;
 use crate::photon::footprint::Spread;
-use crate::photon::{EmissionUnit, PathLimits, PhotonMap, PhotonTracer, Share};
+use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonMap, PhotonTracer, Share};
 use crate::scene::LightId;
 use crate::scene::settings::{Estimator, FootprintRule};
 use crate::world::World;
@@ -20,37 +20,56 @@ const PHOTONS_PER_UNIT: u64 = 4096;
 /// The rest of the pass under way of the photon-map renderer, added to the film.
 pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
-    let map = shoot(world, pass, job.watch)?;
+    let map = shoot(world, pass, job.watch, || job.watch.look(state))?;
     let estimate = Estimate::new(&map, &world.scene.settings, pass);
     expose(job, EyeFinds::AllButCaustics, Some(&estimate), state)?;
     state.report.add_photons(&map.counts, &map.by_light);
     Ok(())
 }
 
-/// emit → trace → map: the photons of pass `pass`.
-pub fn shoot(world: &World, pass: u32, watch: &dyn Watch) -> Result<PhotonMap, Stopped> {
-    let settings = &world.scene.settings;
+/// emit → trace → map: the photons of pass `pass`. `between` is called after every unit.
+pub fn shoot(world: &World, pass: u32, watch: &dyn Watch, between: impl Fn()) -> Result<PhotonMap, Stopped> {
     let Some(aim) = &world.aim else { return Ok(PhotonMap::empty(world.lights.len())) };
-    let units = EmissionUnit::all(&world.lights, settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
-        share_of(world, light, aim, n)
-    });
+    let units = units(world, aim, pass);
     let spread = spread(world, pass);
-    let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
     watch.phase("photons", units.len() as u64);
-    let trace = |i: usize| {
-        let mut tracer = PhotonTracer::new(world, limits, spread);
-        units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
-        tracer.counts.photons_emitted = units[i].len();
-        (units[i].light, tracer.photons, tracer.counts)
-    };
-    let traced = collect_units(units.len(), watch, trace)?;
+    let trace = |i: usize| trace_unit(world, aim, &units[i], spread);
+    let traced = collect_units(units.len(), watch, trace, between)?;
     watch.finish();
     Ok(PhotonMap::from_units(world.lights.len(), traced))
 }
 
+fn units(world: &World, aim: &Aim, pass: u32) -> Vec<EmissionUnit> {
+    EmissionUnit::all(&world.lights, &world.scene.settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
+        share_of(world, light, aim, n)
+    })
+}
+
+fn limits(world: &World) -> PathLimits {
+    PathLimits { max_depth: world.scene.settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW }
+}
+
+fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> (LightId, Vec<Photon>, PhotonCounts) {
+    let mut tracer = PhotonTracer::new(world, limits(world), spread);
+    unit.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+    tracer.counts.photons_emitted = unit.len();
+    (unit.light, tracer.photons, tracer.counts)
+}
+
+/// What became of the photons of about `some` units of pass `pass`, spread over all of them.
+pub fn shoot_some(world: &World, pass: u32, some: usize) -> PhotonCounts {
+    let mut counts = PhotonCounts::default();
+    let Some(aim) = &world.aim else { return counts };
+    let units = units(world, aim, pass);
+    let step = units.len().div_ceil(some.max(1)).max(1);
+    let spread = spread(world, pass);
+    units.iter().step_by(step).for_each(|unit| counts.merge(&trace_unit(world, aim, unit, spread).2));
+    counts
+}
+
 /// The photons of pass `pass`, by someone who does not stop.
 pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
-    shoot(world, pass, &Unattended(progress)).unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
+    shoot(world, pass, &Unattended(progress), || ()).unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.
@@ -78,7 +97,6 @@ fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
     if source.is_delta() {
         return Share::leading(n, source.is_collimated());
     }
-    let limits = PathLimits { max_depth: settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW };
-    let mut pilot = PhotonTracer::new(world, limits, Spread::Columns { rule: settings.footprint, scale: 1.0 });
+    let mut pilot = PhotonTracer::new(world, limits(world), Spread::Columns { rule: settings.footprint, scale: 1.0 });
     Share::balanced(source, light, aim, n, &mut pilot)
 }

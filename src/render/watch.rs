@@ -9,10 +9,8 @@ pub trait Watch: Progress {
     fn stop(&self) -> bool {
         false
     }
-    /// A unit was added to the film.
-    fn unit_added(&self, _state: &RenderState) {}
-    /// A pass was ended.
-    fn pass_ended(&self, _state: &RenderState) {}
+    /// Called on the conductor's thread after every unit and every pass.
+    fn look(&self, _state: &RenderState) {}
 }
 
 /// The render was stopped before it was done.

@@ -1,0 +1,153 @@
+//! The files that a render leaves: checked before the work, written after it.
+
+use std::path::{Path, PathBuf};
+
+use pdembree::output::exr::Window;
+use pdembree::output::part::EXTENSION;
+use pdembree::output::target::probe;
+use pdembree::output::{BirthCertificate, Format, PartInfo, Target, WriteError, exr, png};
+use pdembree::render::RenderState;
+use pdembree::render::progress::Progress;
+use pdembree::render::store;
+
+use super::failure::{Failure, code};
+use super::number::finite;
+
+/// Options of every command that writes a picture.
+#[derive(clap::Args)]
+pub struct OutputArgs {
+    /// Picture to write; .exr: linear light and all layers, .png: 8-bit sRGB, .pdpart: sums, for `pdembree merge`
+    #[arg(short, long, visible_alias = "outfile", value_name = "FILE")]
+    pub output: PathBuf,
+    /// Write a PNG of the beauty too
+    #[arg(long, value_name = "FILE")]
+    pub png: Option<PathBuf>,
+    /// Multiply PNGs by 2^STOPS
+    #[arg(long, value_name = "STOPS", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Make the folders of the outputs
+    #[arg(long)]
+    pub make_path: bool,
+    /// Leave times, threads and the command out of the EXR's header, so that equal renders are equal files
+    #[arg(long)]
+    pub no_timestamps: bool,
+    /// Write what happened (times, counters by light, refused samples, hashes) as JSON to this file too
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+}
+
+/// Files that can be written, as far as one can know before the work.
+pub struct Outputs<'a> {
+    args: &'a OutputArgs,
+    /// None if only the sums are wanted.
+    picture: Option<Target>,
+    /// The sums, where this is a part of a render.
+    part: Option<PathBuf>,
+    png: Option<Target>,
+}
+
+/// `a.exr` → `a.pdpart`.
+pub fn part_beside(path: &Path) -> PathBuf {
+    path.with_extension(EXTENSION)
+}
+
+/// `a.exr` → `a.snapshot.exr`.
+pub fn snapshot_beside(path: &Path) -> PathBuf {
+    path.with_extension("snapshot.exr")
+}
+
+impl<'a> Outputs<'a> {
+    /// Checks the names only.
+    pub fn check_names(args: &OutputArgs) -> Result<(), Failure> {
+        if !is_part(&args.output) {
+            Format::of(&args.output)?;
+        }
+        Ok(())
+    }
+
+    /// `is_part`: what is rendered is not the whole picture, and its sums are kept.
+    pub fn check(args: &'a OutputArgs, is_a_part: bool) -> Result<Outputs<'a>, Failure> {
+        let make = args.make_path;
+        let (picture, part) = if is_part(&args.output) {
+            probe(&args.output, make)?;
+            (None, Some(args.output.clone()))
+        } else {
+            let picture = Target::picture(&args.output, make)?;
+            let part = is_a_part.then(|| part_beside(&args.output));
+            (Some(picture), part)
+        };
+        for path in part.iter().chain(&args.stats).chain([&BirthCertificate::path_beside(&args.output)]) {
+            probe(path, make)?;
+        }
+        let png = args.png.as_deref().map(|path| Target::picture(path, make)).transpose()?;
+        match png {
+            Some(png) if png.format() != Format::Png => {
+                let message = format!("{}: --png writes PNG; end the name in .png", png.path().display());
+                Err(Failure::new(code::USAGE, message))
+            }
+            png => Ok(Outputs { args, picture, part, png }),
+        }
+    }
+
+    /// The file with the sums, where one is wanted.
+    pub fn part(&self) -> Option<&Path> {
+        self.part.as_deref()
+    }
+
+    /// Whether all files but the sums are there.
+    pub fn exist(&self) -> bool {
+        let pictures = self.picture.iter().chain(&self.png).map(Target::path);
+        pictures.chain(self.args.stats.as_deref()).all(Path::is_file)
+    }
+
+    /// The sums and the picture first: they are what cannot be made again in a second.
+    pub fn write(
+        &self,
+        info: &PartInfo,
+        state: &RenderState,
+        certificate: &BirthCertificate,
+        progress: &dyn Progress,
+    ) -> Result<(), WriteError> {
+        progress.phase("write", 1);
+        if let Some(part) = &self.part {
+            store::save(part, info, state)?;
+        }
+        let image = state.film.resolve();
+        let bounds = state.film.bounds();
+        let window = Window { origin: [bounds.x0, bounds.y0], whole: info.identity.resolution };
+        let attributes = certificate.attributes(!self.args.no_timestamps);
+        for target in self.picture.iter().chain(&self.png) {
+            match target.format() {
+                Format::Exr => exr::write_window(target.path(), &image, window, &attributes)?,
+                Format::Png => png::write(target.path(), &image, self.args.exposure)?,
+            }
+        }
+        certificate.write_beside(&self.args.output)?;
+        if let Some(stats) = &self.args.stats {
+            certificate.write(stats)?;
+        }
+        progress.finish();
+        Ok(())
+    }
+}
+
+fn is_part(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(EXTENSION))
+}
+
+/// The failure of a write at the end of the work, after the sums were saved where there is room.
+pub fn rescued(error: WriteError, info: &PartInfo, state: &RenderState) -> Failure {
+    let name = format!("pdembree-rescued-{}.{EXTENSION}", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    let mut failure = Failure::from(error);
+    failure.message += &match store::save(&path, info, state) {
+        Ok(()) => {
+            let path = path.display();
+            format!(
+                "; the work is not lost: `pdembree merge --partial {path} -o PLACE.exr` writes the picture elsewhere"
+            )
+        }
+        Err(error) => format!("; saving the work elsewhere failed too: {error}"),
+    };
+    failure
+}
