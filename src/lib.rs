@@ -7,7 +7,7 @@
 //! 3. `backend`, `surface`, `light`: rays fly and meet surfaces, lights emit;
 //! 4. `photon`: emit → trace → map;
 //! 5. `camera`, `estimate`, `film`, `output`: gather → film → EXR;
-//! 6. `render`: the conductors; `study`: how good a picture is.
+//! 6. `render`: the conductors; `distribute`: many of them; `study`, `report`: how good a picture is.
 #![forbid(unsafe_code)]
 
 pub mod math;
@@ -27,6 +27,7 @@ pub mod estimate;
 pub mod film;
 pub mod output;
 pub mod render;
+pub mod distribute;
 pub mod study;
 pub mod report;
 

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use pdembree::distribute::SubmitError;
 use pdembree::output::lock::LockError;
 use pdembree::output::{PartError, ReadError, WriteError};
 use pdembree::render::store::StoreError;
@@ -73,6 +74,24 @@ impl From<StoreError> for Failure {
         let code = match error {
             StoreError::Part(PartError::Missing { .. } | PartError::Io { .. }) => code::NO_INPUT,
             _ => code::BAD_DATA,
+        };
+        Failure::new(code, error.to_string())
+    }
+}
+
+impl From<SubmitError> for Failure {
+    fn from(error: SubmitError) -> Failure {
+        let code = match error {
+            SubmitError::Write(error) => return error.into(),
+            SubmitError::Folder { .. } => code::CANNOT_CREATE,
+            SubmitError::TaskFailed { code, .. } => code,
+            SubmitError::EngineMissing { .. }
+            | SubmitError::CannotStart { .. }
+            | SubmitError::SbatchFailed { .. }
+            | SubmitError::SbatchAnswer { .. }
+            | SubmitError::MergeNotQueued { .. }
+            | SubmitError::Interrupted => code::FAILED,
+            _ => code::USAGE,
         };
         Failure::new(code, error.to_string())
     }

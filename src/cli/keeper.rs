@@ -23,16 +23,20 @@ pub struct Checkpoint {
     pub info: PartInfo,
 }
 
+/// Where SIGUSR1 puts the picture so far.
+pub struct Snapshot {
+    pub path: PathBuf,
+    /// Of the whole picture.
+    pub resolution: [u32; 2],
+}
+
 /// Looks after one render.
 pub struct Keeper<'a> {
     pub reporter: &'a Reporter,
     pub signals: &'a Signals,
     pub checkpoint: Option<Checkpoint>,
     pub viewer: Option<Viewer>,
-    /// Where SIGUSR1 puts the picture so far.
-    pub snapshot: PathBuf,
-    /// Of the whole picture.
-    pub resolution: [u32; 2],
+    pub snapshot: Snapshot,
     pub verbosity: Verbosity,
     clock: Mutex<Clock>,
 }
@@ -55,13 +59,12 @@ impl<'a> Keeper<'a> {
         signals: &'a Signals,
         checkpoint: Option<Checkpoint>,
         viewer: Option<Viewer>,
-        snapshot: PathBuf,
-        resolution: [u32; 2],
+        snapshot: Snapshot,
         verbosity: Verbosity,
     ) -> Keeper<'a> {
         let now = Instant::now();
         let clock = Mutex::new(Clock { saved: now, show: now, save_failed: false });
-        Keeper { reporter, signals, checkpoint, viewer, snapshot, resolution, verbosity, clock }
+        Keeper { reporter, signals, checkpoint, viewer, snapshot, verbosity, clock }
     }
 
     /// Shows the final picture; says what went wrong with the viewer, if something did.
@@ -79,15 +82,15 @@ impl<'a> Keeper<'a> {
     /// Writes the picture so far beside the one that is to come.
     pub fn write_snapshot(&self, state: &RenderState) -> Result<(), WriteError> {
         let bounds = state.film.bounds();
-        let window = Window { origin: [bounds.x0, bounds.y0], whole: self.resolution };
+        let window = Window { origin: [bounds.x0, bounds.y0], whole: self.snapshot.resolution };
         let passes = ("passes".to_owned(), state.film.passes().to_string());
-        exr::write_window(&self.snapshot, &state.film.resolve(), window, &[passes])
+        exr::write_window(&self.snapshot.path, &state.film.resolve(), window, &[passes])
     }
 
     fn look(&self, state: &RenderState) {
         if self.signals.take_snapshot() {
             match self.write_snapshot(state) {
-                Ok(()) => note(self.verbosity, "snapshot", &self.snapshot.display().to_string()),
+                Ok(()) => note(self.verbosity, "snapshot", &self.snapshot.path.display().to_string()),
                 Err(error) => note(self.verbosity, "warning", &format!("no snapshot: {error}")),
             }
         }

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod completions;
 mod console;
+mod crew;
 mod crosscheck;
 mod eta;
 mod failure;
@@ -24,6 +25,7 @@ mod render;
 mod scene;
 mod signals;
 mod study;
+mod submit;
 mod work;
 
 use std::process::ExitCode;
@@ -52,6 +54,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Merge(merge::Args),
+    Submit(submit::Args),
     Photons(photons::Args),
     Crosscheck(crosscheck::Args),
     Check(check::Args),
@@ -69,6 +72,7 @@ pub fn run() -> ExitCode {
     let result = match command {
         Command::Render(args) => render::run(&args, verbosity),
         Command::Merge(args) => merge::run(&args, verbosity),
+        Command::Submit(args) => submit::run(&args, verbosity),
         Command::Crosscheck(args) => crosscheck::run(&args, verbosity),
         Command::Photons(args) => photons::run(&args, verbosity),
         Command::Check(args) => check::run(&args, verbosity),

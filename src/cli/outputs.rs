@@ -36,6 +36,24 @@ pub struct OutputArgs {
     pub stats: Option<PathBuf>,
 }
 
+impl OutputArgs {
+    /// The same as arguments of `merge`, but for the picture itself; `absolute` makes paths mean the same everywhere.
+    pub fn merge_arguments(
+        &self,
+        absolute: impl Fn(&Path) -> Result<PathBuf, Failure>,
+    ) -> Result<Vec<String>, Failure> {
+        let mut all = vec![format!("--exposure={}", self.exposure)];
+        for (name, path) in [("--png", &self.png), ("--stats", &self.stats)] {
+            if let Some(path) = path {
+                all.push(format!("{name}={}", absolute(path)?.display()));
+            }
+        }
+        let flags = [("--make-path", self.make_path), ("--no-timestamps", self.no_timestamps)];
+        all.extend(flags.iter().filter(|(_, given)| *given).map(|(name, _)| (*name).to_owned()));
+        Ok(all)
+    }
+}
+
 /// Files that can be written, as far as one can know before the work.
 pub struct Outputs<'a> {
     args: &'a OutputArgs,

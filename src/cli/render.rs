@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 
 use pdembree::film::PixelBounds;
 use pdembree::output::lock::Lock;
-use pdembree::output::sidecar::Phase;
 use pdembree::output::target::probe;
 use pdembree::output::tev::Viewer;
 use pdembree::output::{BirthCertificate, PartInfo};
@@ -19,8 +18,11 @@ use pdembree::world::World;
 
 use super::certificate::{Circumstances, certificate};
 use super::console::{Verbosity, note};
+#[cfg(feature = "mpi")]
+use super::crew::over_ranks;
+use super::crew::{Alone, Crew};
 use super::failure::{Failure, code};
-use super::keeper::{Checkpoint, Keeper};
+use super::keeper::{Checkpoint, Keeper, Snapshot};
 use super::number::{bytes, fraction, length_of_time, range, tile};
 use super::outputs::{OutputArgs, Outputs, rescued, snapshot_beside};
 use super::progress::{Mode, duration, size};
@@ -75,6 +77,10 @@ struct PartArgs {
     /// Render tile J of M only, J from 0, and keep its sums in out.pdpart; does nothing if they are there
     #[arg(long, value_name = "J/M", value_parser = tile)]
     tile: Option<(u32, u32)>,
+    /// Share the passes out over the ranks of an mpirun; the first rank tells, and writes the picture
+    #[cfg(feature = "mpi")]
+    #[arg(long, conflicts_with_all = ["pass_range", "tile", "time_limit", "target_error", "checkpoint", "display_server"])]
+    mpi: bool,
 }
 
 #[derive(clap::Args)]
@@ -105,6 +111,14 @@ impl Args {
 }
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
+    #[cfg(feature = "mpi")]
+    if args.part.mpi {
+        return over_ranks(verbosity, |ranks, verbosity| render(args, verbosity, ranks));
+    }
+    render(args, verbosity, &Alone)
+}
+
+fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode, Failure> {
     let start = Instant::now();
     // A wrong name is told before a large scene is read; folders are made only for a good scene.
     Outputs::check_names(&args.output)?;
@@ -114,54 +128,42 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let outputs = Outputs::check(&args.output, is_a_part)?;
     let threads = args.work.start_threads()?;
     let reporter = args.work.reporter(verbosity);
-    let signals =
-        Signals::watch().map_err(|error| Failure::new(code::FAILED, format!("cannot listen to signals: {error}")))?;
+    let signals = Signals::watch()?;
 
     reporter.phase("scene", 1);
     let mut world = world(loaded.scene)?;
     reporter.finish();
     fit_memory(&mut world, args.keep.photon_memory, verbosity);
-    let plan = Plan::new(args, &world)?;
+    let plan = Plan::new(args, &world, crew)?;
     let info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
-    if let Some(part) = outputs.part() {
-        if outputs.exist() && store::is_done(part, &info, &plan.assignment) {
-            reporter.end();
-            note(verbosity, "done", &format!("{} was there already", part.display()));
-            return Ok(ExitCode::SUCCESS);
-        }
+    if let Some(part) = outputs.part().filter(|part| store::is_done(part, &info, &plan.assignment) && outputs.exist()) {
+        reporter.end();
+        note(verbosity, "done", &format!("{} was there already", part.display()));
+        return Ok(ExitCode::SUCCESS);
     }
 
     let (_lock, mut state) = begin(args, &world, &info, &plan, verbosity)?;
-    let checkpoint =
-        args.keep.checkpoint.clone().map(|path| Checkpoint { path, every: args.keep.every, info: info.clone() });
+    let checkpoint = |path| Checkpoint { path, every: args.keep.every, info: info.clone() };
     let keeper = Keeper::new(
         &reporter,
         &signals,
-        checkpoint,
+        args.keep.checkpoint.clone().map(checkpoint),
         viewer,
-        snapshot_beside(&args.output.output),
-        info.identity.resolution,
+        Snapshot { path: snapshot_beside(&args.output.output), resolution: info.identity.resolution },
         verbosity,
     );
-    let before = state.film.passes();
-    reporter.expect(&plan.budget, before);
-    let wanted = |state: &RenderState| {
-        reporter.pass(state.film.passes(), plan.budget.enough(state));
-        plan.budget.wants_more(state, start.elapsed(), state.film.passes() - before)
-    };
-    let ended =
-        go_on(&world, &mut state, &keeper, wanted).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
+    let ended = go_on_by_plan(&world, &mut state, &keeper, &plan, start)?;
     keeper.save(&state).map_err(|error| rescued(error, &info, &state))?;
     if ended == Ended::Stopped {
         return stopped(&keeper, &state, verbosity);
     }
 
-    let mut warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let Some(state) = crew.gather(&info, state)? else { return Ok(ExitCode::SUCCESS) };
     let found = findings(&world, &state, &plan.budget);
-    warnings.extend(found.iter().cloned());
-    let circumstances =
-        |phases: Vec<Phase>| Circumstances { threads, seconds: start.elapsed().as_secs_f64(), phases, warnings };
-    let certificate = certificate(&info, &state, circumstances(reporter.phases()));
+    let warnings = loaded.warnings.iter().map(ToString::to_string).chain(found.iter().cloned()).collect();
+    let seconds = start.elapsed().as_secs_f64();
+    let certificate =
+        certificate(&info, &state, Circumstances { threads, seconds, phases: reporter.phases(), warnings });
     outputs.write(&info, &state, &certificate, &reporter).map_err(|error| rescued(error, &info, &state))?;
     let trouble = keeper.close_viewer(&state);
     reporter.end();
@@ -175,6 +177,22 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     Ok(if missed { ExitCode::from(code::INCOMPLETE) } else { ExitCode::SUCCESS })
 }
 
+fn go_on_by_plan(
+    world: &World,
+    state: &mut RenderState,
+    keeper: &Keeper,
+    plan: &Plan,
+    start: Instant,
+) -> Result<Ended, Failure> {
+    let before = state.film.passes();
+    keeper.reporter.expect(&plan.budget, before);
+    let wanted = |state: &RenderState| {
+        keeper.reporter.pass(state.film.passes(), plan.budget.enough(state));
+        plan.budget.wants_more(state, start.elapsed(), state.film.passes() - before)
+    };
+    go_on(world, state, keeper, wanted).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))
+}
+
 /// What is to be rendered, and until when.
 struct Plan {
     assignment: Assignment,
@@ -184,7 +202,7 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(args: &Args, world: &World) -> Result<Plan, Failure> {
+    fn new(args: &Args, world: &World, crew: &dyn Crew) -> Result<Plan, Failure> {
         let resolution = world.scene.camera.resolution;
         let pixels = match args.part.tile {
             None => PixelBounds::whole(resolution),
@@ -198,9 +216,10 @@ impl Plan {
         let (first, end) = args.part.pass_range.unwrap_or((0, passes));
         let open = (args.until.time_limit.is_some() || args.until.target_error.is_some()) && !args.scene.gives_passes();
         let end = if open { MAX_PASSES } else { end };
-        let budget = Budget { end, time: args.until.time_limit, error: args.until.target_error };
         let wanted_passes = if open { 0 } else { passes.max(end) };
-        Ok(Plan { assignment: Assignment { pixels, passes: first..end }, budget, wanted_passes })
+        let passes = crew.share(first..end);
+        let budget = Budget { end: passes.end, time: args.until.time_limit, error: args.until.target_error };
+        Ok(Plan { assignment: Assignment { pixels, passes }, budget, wanted_passes })
     }
 }
 
@@ -279,7 +298,7 @@ fn stopped(keeper: &Keeper, state: &RenderState, verbosity: Verbosity) -> Result
     }
     if passes > 0 {
         keeper.write_snapshot(state)?;
-        told += &format!("; {} shows it", keeper.snapshot.display());
+        told += &format!("; {} shows it", keeper.snapshot.path.display());
     }
     note(verbosity, "stopped", &told);
     Ok(ExitCode::from(keeper.signals.exit_code().unwrap_or(code::FAILED)))

@@ -150,10 +150,14 @@ impl SceneArgs {
         self.settings.passes.is_some()
     }
 
+    /// What the command line and the environment put over the scene file, the strongest last.
+    pub fn overrides(&self) -> Vec<Override> {
+        [self.define.clone(), self.settings.overrides()].concat()
+    }
+
     /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.
     pub fn load(&self, verbosity: Verbosity) -> Result<Loaded, Failure> {
-        let overrides = [self.define.clone(), self.settings.overrides()].concat();
-        let loaded = import::load(&self.scene, &overrides).map_err(|all| problems::failure(&all))?;
+        let loaded = import::load(&self.scene, &self.overrides()).map_err(|all| problems::failure(&all))?;
         if !verbosity.quiet {
             problems::print(&loaded.warnings, miette::Severity::Warning);
         }

@@ -7,38 +7,51 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
 
+use super::failure::{Failure, code};
+
 /// What the process was asked from outside.
 pub struct Signals {
     /// The signal that asked to stop; 0 before.
-    stop: Arc<AtomicUsize>,
+    signal: Arc<AtomicUsize>,
+    stop: Arc<AtomicBool>,
     snapshot: Arc<AtomicBool>,
 }
 
 impl Signals {
     /// From now on the first SIGINT or SIGTERM is a question, a second one ends the process at once; SIGUSR1 asks for a
     /// snapshot.
-    pub fn watch() -> io::Result<Signals> {
-        let signals = Signals { stop: Arc::default(), snapshot: Arc::default() };
-        let asked = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM] {
-            // Before the flag is set, so that the first signal does not see its own.
-            flag::register_conditional_shutdown(signal, exit_code(signal), asked.clone())?;
-            flag::register_usize(signal, signals.stop.clone(), signal as usize)?;
-        }
-        for signal in [SIGINT, SIGTERM] {
-            flag::register(signal, asked.clone())?;
-        }
-        flag::register(SIGUSR1, signals.snapshot.clone())?;
+    ///
+    /// # Errors
+    /// The system does not let us.
+    pub fn watch() -> Result<Signals, Failure> {
+        let signals = Signals { signal: Arc::default(), stop: Arc::default(), snapshot: Arc::default() };
+        signals.register().map_err(|error| Failure::new(code::FAILED, format!("cannot listen to signals: {error}")))?;
         Ok(signals)
     }
 
+    fn register(&self) -> io::Result<()> {
+        for signal in [SIGINT, SIGTERM] {
+            // Before the flag is set, so that the first signal does not see its own.
+            flag::register_conditional_shutdown(signal, exit_code(signal), self.stop.clone())?;
+            flag::register_usize(signal, self.signal.clone(), signal as usize)?;
+            flag::register(signal, self.stop.clone())?;
+        }
+        flag::register(SIGUSR1, self.snapshot.clone())?;
+        Ok(())
+    }
+
     pub fn stop_asked(&self) -> bool {
-        self.stop.load(Ordering::Relaxed) != 0
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Becomes true when it is asked to stop.
+    pub fn stop_flag(&self) -> &AtomicBool {
+        &self.stop
     }
 
     /// The exit code of a stop that was asked for: 130 or 143.
     pub fn exit_code(&self) -> Option<u8> {
-        let signal = self.stop.load(Ordering::Relaxed) as i32;
+        let signal = self.signal.load(Ordering::Relaxed) as i32;
         (signal != 0).then(|| exit_code(signal) as u8)
     }
 

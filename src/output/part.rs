@@ -100,21 +100,23 @@ struct Header {
 
 /// Writes a part, whole or not at all.
 pub fn write(path: &Path, info: &PartInfo, film: &Film) -> Result<(), WriteError> {
+    atomic::write_with(path, |file| encode(BufWriter::new(file), info, film))
+}
+
+/// Writes a part's bytes to `out`.
+pub fn encode(out: impl Write, info: &PartInfo, film: &Film) -> io::Result<()> {
     let header = Header { info: info.clone(), film: film.shape() };
-    let unfit = |e: serde_json::Error| WriteError::Unfit { path: path.to_owned(), reason: e.to_string() };
-    let header = serde_json::to_vec(&header).map_err(unfit)?;
-    atomic::write_with(path, |file| {
-        let mut out = Hashing { out: BufWriter::new(file), hasher: blake3::Hasher::new() };
-        out.write_all(MAGIC)?;
-        out.write_all(&(header.len() as u64).to_le_bytes())?;
-        out.write_all(&header)?;
-        let mut squeezed = zstd::Encoder::new(&mut out, LEVEL)?;
-        film.write_sums(&mut squeezed)?;
-        squeezed.finish()?;
-        let digest = out.hasher.finalize();
-        out.out.write_all(digest.as_bytes())?;
-        out.out.flush()
-    })
+    let header = serde_json::to_vec(&header)?;
+    let mut out = Hashing { out, hasher: blake3::Hasher::new() };
+    out.write_all(MAGIC)?;
+    out.write_all(&(header.len() as u64).to_le_bytes())?;
+    out.write_all(&header)?;
+    let mut squeezed = zstd::Encoder::new(&mut out, LEVEL)?;
+    film.write_sums(&mut squeezed)?;
+    squeezed.finish()?;
+    let digest = out.hasher.finalize();
+    out.out.write_all(digest.as_bytes())?;
+    out.out.flush()
 }
 
 /// Reads a part.
@@ -126,9 +128,14 @@ pub fn read(path: &Path) -> Result<Part, PartError> {
         io::ErrorKind::NotFound => PartError::Missing { path: path.to_owned() },
         _ => PartError::Io { path: path.to_owned(), source },
     })?;
+    decode(&bytes, path)
+}
+
+/// Reads a part from its bytes, which came from `path`.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<Part, PartError> {
     let damaged = |reason: &str| PartError::Damaged { path: path.to_owned(), reason: reason.to_owned() };
     if !bytes.starts_with(MAGIC) {
-        let same_kind = MAGIC.iter().zip(&bytes).take_while(|(a, b)| a == b).count();
+        let same_kind = MAGIC.iter().zip(bytes).take_while(|(a, b)| a == b).count();
         return Err(match same_kind {
             n if n == bytes.len() => damaged("it ends within its first bytes"),
             // All but the number.

@@ -36,47 +36,70 @@ enum FirstEvent {
     Scatter,
 }
 
-/// The rest of the pass under way of the light tracer: `settings.photons` light paths over all lights.
-pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
-    expose(job, EyeFinds::Emitters, None, state)?;
-    let all = job.world.scene.settings.photons;
-    match &job.world.aim {
-        // Nothing has a delta lobe.
-        None => shoot(job, Exposure::LightToAll, (&Aim::Everywhere, FirstEvent::Scatter), all, state),
-        Some(aim) => {
-            let caustics = all.div_ceil(2);
-            shoot(job, Exposure::LightToCasters, (aim, FirstEvent::Delta), caustics, state)?;
-            shoot(job, Exposure::LightToAll, (&Aim::Everywhere, FirstEvent::Scatter), all - caustics, state)
+/// Light paths of one kind in a pass.
+struct Kind<'a> {
+    exposure: Exposure,
+    aim: &'a Aim,
+    first_event: FirstEvent,
+    units: Vec<EmissionUnit>,
+}
+
+impl<'a> Kind<'a> {
+    fn new(
+        world: &World,
+        pass: u32,
+        exposure: Exposure,
+        (aim, first_event): (&'a Aim, FirstEvent),
+        paths: u64,
+    ) -> Kind<'a> {
+        let settings = RenderSettings { photons: paths, ..world.scene.settings.clone() };
+        let units = EmissionUnit::all(&world.lights, &settings, aim, pass, PATHS_PER_UNIT, |light, n| {
+            let source = world.lights.get(light);
+            if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
+        });
+        Kind { exposure, aim, first_event, units }
+    }
+
+    /// The kinds of pass `pass`: `settings.photons` light paths over all lights.
+    fn all(world: &'a World, pass: u32) -> Vec<Kind<'a>> {
+        let all = world.scene.settings.photons;
+        let to_all = (&Aim::Everywhere, FirstEvent::Scatter);
+        match &world.aim {
+            // Nothing has a delta lobe.
+            None => vec![Kind::new(world, pass, Exposure::LightToAll, to_all, all)],
+            Some(aim) => {
+                let caustics = all.div_ceil(2);
+                let to_casters = (aim, FirstEvent::Delta);
+                vec![
+                    Kind::new(world, pass, Exposure::LightToCasters, to_casters, caustics),
+                    Kind::new(world, pass, Exposure::LightToAll, to_all, all - caustics),
+                ]
+            }
         }
     }
 }
 
-/// Splats those of `paths` light paths of one kind that the film does not have yet.
-fn shoot(
-    job: &Job,
-    exposure: Exposure,
-    (aim, first_event): (&Aim, FirstEvent),
-    paths: u64,
-    state: &mut RenderState,
-) -> Result<(), Stopped> {
+/// The rest of the pass under way of the light tracer, added to the film.
+pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
+    expose(job, EyeFinds::Emitters, None, state)?;
     let (world, camera, pass) = (job.world, &job.camera, state.film.pass());
-    let settings = RenderSettings { photons: paths, ..world.scene.settings.clone() };
-    let units = EmissionUnit::all(&world.lights, &settings, aim, pass, PATHS_PER_UNIT, |light, n| {
-        let source = world.lights.get(light);
-        if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
-    });
-    let added = state.film.added(exposure);
-    let missing: Vec<usize> = scattered(units.len()).into_iter().filter(|&i| !added.contains(i)).collect();
+    let kinds = Kind::all(world, pass);
+    let units: Vec<(&Kind, usize)> =
+        kinds.iter().flat_map(|kind| (0..kind.units.len()).map(move |i| (kind, i))).collect();
+    let is_missing = |&i: &usize| !state.film.added(units[i].0.exposure).contains(units[i].1);
+    let missing: Vec<usize> = scattered(units.len()).into_iter().filter(is_missing).collect();
     job.watch.phase("light paths", missing.len() as u64);
     let (bounds, filter) = (state.film.bounds(), world.scene.camera.filter);
     let trace = |i: usize| {
+        let (kind, unit) = units[i];
         let splats = SplatBuffer::new(bounds, pass, filter);
-        let mut tracer = LightTracer { world, camera, first_event, splats };
-        units[i].emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+        let mut tracer = LightTracer { world, camera, first_event: kind.first_event, splats };
+        kind.units[unit].emit(&world.lights, kind.aim, |emission, stream| tracer.trace(emission, stream));
         tracer.splats
     };
     run_units(&missing, job.watch, trace, |i, splats| {
-        state.film.add_splats(exposure, i, &splats);
+        let (kind, unit) = units[i];
+        state.film.add_splats(kind.exposure, unit, &splats);
         job.watch.look(state);
     })?;
     job.watch.finish();

@@ -65,7 +65,8 @@ pub enum StoreError {
     Uneven { one: String, other: String },
 }
 
-fn state_of(part: Part) -> (PartInfo, RenderState) {
+/// A part as a render to go on with.
+pub fn state_of(part: Part) -> (PartInfo, RenderState) {
     let report: RenderReport = serde_json::from_value(part.info.report.clone()).unwrap_or_default();
     (part.info, RenderState { film: part.film, report })
 }

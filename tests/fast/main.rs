@@ -9,6 +9,7 @@ mod closed_form;
 mod differential_chains;
 mod differential_vectors;
 mod discrete;
+mod distribute;
 mod exact;
 mod film;
 mod interaction;
