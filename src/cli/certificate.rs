@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pdembree::film::Image;
 use pdembree::output::sidecar::{Phase, RefusedSamples, SCHEMA};
 use pdembree::output::{BirthCertificate, PartInfo};
 use pdembree::render::RenderState;
@@ -17,7 +18,12 @@ pub struct Circumstances {
     pub warnings: Vec<String>,
 }
 
-pub fn certificate(info: &PartInfo, state: &RenderState, circumstances: Circumstances) -> BirthCertificate {
+pub fn certificate(
+    info: &PartInfo,
+    state: &RenderState,
+    picture: &Image,
+    circumstances: Circumstances,
+) -> BirthCertificate {
     let RenderState { film, report } = state;
     let mut counters = counts(&report.photons);
     counters.insert("invalid_rays".to_owned(), report.invalid_rays);
@@ -40,6 +46,7 @@ pub fn certificate(info: &PartInfo, state: &RenderState, circumstances: Circumst
         counters,
         lights: report.photons_by_light.iter().map(counts).collect(),
         refused_samples: RefusedSamples::from(film.refused()),
+        pixels: picture.digest(),
         warnings: circumstances.warnings,
         threads: circumstances.threads,
         seconds: circumstances.seconds,

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use pdembree::film::Image;
 use pdembree::output::exr::Window;
 use pdembree::output::tev::Viewer;
 use pdembree::output::{PartInfo, WriteError, exr};
@@ -68,9 +69,9 @@ impl<'a> Keeper<'a> {
     }
 
     /// Shows the final picture; says what went wrong with the viewer, if something did.
-    pub fn close_viewer(self, state: &RenderState) -> Option<String> {
+    pub fn close_viewer(self, picture: Image) -> Option<String> {
         let viewer = self.viewer?;
-        viewer.show(state.film.resolve());
+        viewer.show(picture);
         viewer.close()
     }
 

@@ -43,10 +43,11 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let Merged { info, state, missing } = store::merge(&args.parts, args.partial)?;
     let warnings: Vec<String> = missing.into_iter().collect();
     warnings.iter().for_each(|warning| note(verbosity, "warning", warning));
+    let picture = state.film.resolve();
     let seconds = start.elapsed().as_secs_f64();
     let circumstances = Circumstances { threads: 1, seconds, phases: Vec::new(), warnings };
-    let certificate = BirthCertificate { parts: Some(parts), ..certificate(&info, &state, circumstances) };
-    outputs.write(&info, &state, &certificate, &Silent).map_err(|error| rescued(error, &info, &state))?;
+    let certificate = BirthCertificate { parts: Some(parts), ..certificate(&info, &state, &picture, circumstances) };
+    outputs.write(&info, &state, &picture, &certificate, &Silent).map_err(|error| rescued(error, &info, &state))?;
     let passes = state.film.passes();
     note(verbosity, "done", &format!("{} of {} parts, {passes} passes", path.display(), args.parts.len()));
     Ok(ExitCode::SUCCESS)

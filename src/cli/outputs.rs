@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use pdembree::film::Image;
 use pdembree::output::exr::Window;
 use pdembree::output::part::EXTENSION;
 use pdembree::output::target::probe;
@@ -123,6 +124,7 @@ impl<'a> Outputs<'a> {
         &self,
         info: &PartInfo,
         state: &RenderState,
+        image: &Image,
         certificate: &BirthCertificate,
         progress: &dyn Progress,
     ) -> Result<(), WriteError> {
@@ -130,14 +132,13 @@ impl<'a> Outputs<'a> {
         if let Some(part) = &self.part {
             store::save(part, info, state)?;
         }
-        let image = state.film.resolve();
         let bounds = state.film.bounds();
         let window = Window { origin: [bounds.x0, bounds.y0], whole: info.identity.resolution };
         let attributes = certificate.attributes(!self.args.no_timestamps);
         for target in self.picture.iter().chain(&self.png) {
             match target.format() {
-                Format::Exr => exr::write_window(target.path(), &image, window, &attributes)?,
-                Format::Png => png::write(target.path(), &image, self.args.exposure)?,
+                Format::Exr => exr::write_window(target.path(), image, window, &attributes)?,
+                Format::Png => png::write(target.path(), image, self.args.exposure)?,
             }
         }
         certificate.write_beside(&self.args.output)?;

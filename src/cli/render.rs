@@ -8,7 +8,7 @@ use pdembree::film::PixelBounds;
 use pdembree::output::lock::Lock;
 use pdembree::output::target::probe;
 use pdembree::output::tev::Viewer;
-use pdembree::output::{BirthCertificate, PartInfo};
+use pdembree::output::{BirthCertificate, PartInfo, atomic};
 use pdembree::render::budget::{Budget, MAX_PASSES};
 use pdembree::render::progress::Progress;
 use pdembree::render::store::{self, Assignment};
@@ -161,11 +161,12 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     let Some(state) = crew.gather(&info, state)? else { return Ok(ExitCode::SUCCESS) };
     let found = findings(&world, &state, &plan.budget);
     let warnings = loaded.warnings.iter().map(ToString::to_string).chain(found.iter().cloned()).collect();
+    let picture = state.film.resolve();
     let seconds = start.elapsed().as_secs_f64();
     let certificate =
-        certificate(&info, &state, Circumstances { threads, seconds, phases: reporter.phases(), warnings });
-    outputs.write(&info, &state, &certificate, &reporter).map_err(|error| rescued(error, &info, &state))?;
-    let trouble = keeper.close_viewer(&state);
+        certificate(&info, &state, &picture, Circumstances { threads, seconds, phases: reporter.phases(), warnings });
+    outputs.write(&info, &state, &picture, &certificate, &reporter).map_err(|error| rescued(error, &info, &state))?;
+    let trouble = keeper.close_viewer(picture);
     reporter.end();
 
     found.iter().chain(&trouble).for_each(|warning| note(verbosity, "warning", warning));
@@ -270,6 +271,7 @@ fn begin(
     let Some(path) = &args.keep.checkpoint else { return Ok((None, fresh())) };
     probe(path, args.output.make_path)?;
     let lock = Lock::of(path)?;
+    atomic::sweep(path);
     let state = match (path.exists(), args.keep.resume) {
         (false, _) => fresh(),
         (true, true) => {

@@ -5,6 +5,7 @@
 //! interval. It says how the mean scatters, not how far the estimate is biased.
 
 use super::exact::{ExactSquares, ExactSum};
+use crate::math::student;
 
 /// Sums of a pixel's luminance over passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +30,7 @@ impl Moments {
         // Both sums are exact, so what cancels here is the rounding of two numbers: variances below 10⁻¹⁵ of the mean's
         // square are noise.
         let variance = ((self.squares.value() - n * mean * mean) / (n - 1.0)).max(0.0);
-        (passes > 1).then(|| MeanError { mean, standard_error: (variance / n).sqrt() })
+        (passes > 1).then(|| MeanError { mean, standard_error: (variance / n).sqrt(), passes })
     }
 }
 
@@ -38,6 +39,14 @@ impl Moments {
 pub struct MeanError {
     pub mean: f64,
     pub standard_error: f64,
+    pub passes: u32,
+}
+
+impl MeanError {
+    /// Half the width of the interval around the mean that holds the estimate's expectation in 95 % of cases.
+    pub fn half_width(&self) -> f64 {
+        student::quantile(self.passes as usize - 1) * self.standard_error
+    }
 }
 
 /// How noisy a picture is.

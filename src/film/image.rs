@@ -26,6 +26,20 @@ impl Image {
         Image { width, height, channels: channels.collect() }
     }
 
+    /// BLAKE3 over size, names and samples, 64 hexadecimal digits.
+    pub fn digest(&self) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(&self.width.to_le_bytes());
+        hasher.update(&self.height.to_le_bytes());
+        for Channel { name, samples } in &self.channels {
+            hasher.update(&(name.len() as u64).to_le_bytes());
+            hasher.update(name.as_bytes());
+            let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_le_bytes()).collect();
+            hasher.update(&bytes);
+        }
+        hasher.finalize().to_hex().to_string()
+    }
+
     pub fn pixels(&self) -> usize {
         self.width as usize * self.height as usize
     }

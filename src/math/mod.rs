@@ -5,6 +5,7 @@ pub mod float;
 pub mod frame;
 pub mod linalg;
 pub mod ray;
+pub mod student;
 pub mod transform;
 pub mod vector;
 

@@ -1,5 +1,6 @@
 //! Files that are there whole or not at all: written under a temporary name in the same folder, synced, renamed.
 
+use std::ffi::OsString;
 use std::fs::{File, Permissions};
 use std::io::{self, Write};
 use std::os::unix::fs::PermissionsExt;
@@ -17,13 +18,30 @@ pub(super) fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// An empty file beside `path`, named after it, that removes itself unless it is persisted.
-pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let mut name = std::ffi::OsString::from(".");
+fn temporary_prefix(path: &Path) -> OsString {
+    let mut name = OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(".tmp-");
+    name
+}
+
+/// An empty file beside `path`, named after it, that removes itself unless it is persisted.
+pub(super) fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    let name = temporary_prefix(path);
     // The user's umask decides who may read a picture; temporary files are private by default.
     tempfile::Builder::new().prefix(&name).permissions(Permissions::from_mode(0o666)).tempfile_in(folder_of(path))
+}
+
+/// Removes what writers of `path` that were killed left beside it. Only for whoever may be sure to be its only writer.
+pub fn sweep(path: &Path) {
+    let prefix = temporary_prefix(path);
+    let Ok(entries) = std::fs::read_dir(folder_of(path)) else { return };
+    for entry in entries.flatten() {
+        if entry.file_name().as_encoded_bytes().starts_with(prefix.as_encoded_bytes()) {
+            // Rubbish that stays is no harm.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Puts `bytes` into the file `path`. Whoever looks sees the old file or the new one, never a part, also after a

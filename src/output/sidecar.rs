@@ -122,6 +122,8 @@ pub struct BirthCertificate {
     /// The same for each light, in the order of the scene's lights.
     pub lights: Vec<BTreeMap<String, u64>>,
     pub refused_samples: RefusedSamples,
+    /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
+    pub pixels: String,
     pub warnings: Vec<String>,
     pub threads: usize,
     /// Wall-clock time from the start of the program until the picture was whole.

@@ -1,5 +1,7 @@
 //! Power laws: a straight line through the logarithms, by least squares, and how well its slope is known.
 
+use crate::math::student;
+
 /// ln y = intercept + slope · ln x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
@@ -7,18 +9,6 @@ pub struct PowerLaw {
     pub intercept: f64,
     /// Half width of the slope's 95 % interval under independent, equal errors of ln y; none with two points.
     pub half_width: Option<f64>,
-}
-
-/// 97.5 % quantiles of Student's distribution for 1, 2, … degrees of freedom.
-const STUDENT: [f64; 12] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179];
-
-/// The quantile beyond the table by the first two terms of its expansion in 1/dof: within 0.003.
-fn student(dof: usize) -> f64 {
-    let z: f64 = 1.959_964;
-    STUDENT.get(dof - 1).copied().unwrap_or_else(|| {
-        let n = dof as f64;
-        z + (z.powi(3) + z) / (4.0 * n) + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * n * n)
-    })
 }
 
 /// The line through points (x, y), all positive; `None` with fewer than two different x or a point that has no logarithm.
@@ -40,7 +30,7 @@ pub fn power_law(points: &[(f64, f64)]) -> Option<PowerLaw> {
     let half_width = (logs.len() > 2).then(|| {
         let dof = logs.len() - 2;
         let residual: f64 = logs.iter().map(|(x, y)| (y - intercept - slope * x).powi(2)).sum();
-        student(dof) * (residual / dof as f64 / sxx).sqrt()
+        student::quantile(dof) * (residual / dof as f64 / sxx).sqrt()
     });
     Some(PowerLaw { slope, intercept, half_width })
 }
@@ -83,7 +73,7 @@ mod tests {
     /// Printed tables: 2.042 at 30 degrees of freedom, 1.980 at 120.
     #[test]
     fn quantiles_beyond_the_table() {
-        assert!((student(13) - 2.160).abs() < 3e-3 && (student(30) - 2.042).abs() < 1e-3);
-        assert!((student(120) - 1.980).abs() < 1e-3);
+        assert!((student::quantile(13) - 2.160).abs() < 3e-3 && (student::quantile(30) - 2.042).abs() < 1e-3);
+        assert!((student::quantile(120) - 1.980).abs() < 1e-3);
     }
 }

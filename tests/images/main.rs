@@ -6,6 +6,7 @@ mod support;
 mod exact;
 mod exr;
 mod page;
+mod killed;
 mod peers;
 mod closed_form_scenes;
 mod refraction;

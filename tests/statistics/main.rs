@@ -4,6 +4,7 @@
 mod support;
 
 mod agreement;
+mod convergence;
 mod light_emission;
 mod light_samples;
 mod lights;
