@@ -30,7 +30,9 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
     for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("PDEMBREE_")) {
         command.env_remove(name);
     }
-    command.current_dir(folder).args(arguments.iter().flat_map(|words| words.split(' ')).filter(|word| !word.is_empty()));
+    command
+        .current_dir(folder)
+        .args(arguments.iter().flat_map(|words| words.split(' ')).filter(|word| !word.is_empty()));
     command
 }
 
@@ -274,8 +276,11 @@ fn progress_is_told_in_the_dialect_that_was_asked_for() {
         succeed(here, &arguments)
     };
     let (out, err) = with("json");
-    let lines: Vec<Value> =
-        err.lines().filter(|line| line.starts_with('{')).map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let lines: Vec<Value> = err
+        .lines()
+        .filter(|line| line.starts_with('{'))
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .collect();
     let percents: Vec<f64> = lines.iter().map(|line| line["percent"].as_f64().expect("a number")).collect();
     assert!(out.is_empty() && percents.windows(2).all(|w| w[0] <= w[1]), "{percents:?}");
     assert_eq!(percents.last(), Some(&100.0));
@@ -318,7 +323,8 @@ fn statistics_say_what_happened() {
 fn time_error_and_memory_bound_a_render() {
     let (folder, scene) = (folder(), ball());
     let here = folder.path();
-    let settings = "--spp=1 --photons=3000 -Dcamera.resolution=[40,24] -Dcamera.width=0.6 --progress=none --stats=s.json";
+    let settings =
+        "--spp=1 --photons=3000 -Dcamera.resolution=[40,24] -Dcamera.width=0.6 --progress=none --stats=s.json";
     let stats = || serde_json::from_slice::<Value>(&bytes(&here.join("s.json"))).expect("JSON");
     succeed(here, &["render", &scene, settings, "-o a.exr --target-error=0.2"]);
     let (passes, noise) = (stats()["passes"].as_u64().expect("passes"), stats()["noise"].as_f64().expect("noise"));
@@ -356,7 +362,11 @@ fn a_viewer_gets_the_picture_and_its_absence_does_no_harm() {
     let got = viewer.join().expect("the viewer");
     let red = exr::read_file(&here.join("out.exr")).expect("a picture").image;
     let red: Vec<u8> = red.channel("R").expect("beauty")[..40].iter().flat_map(|v| v.to_le_bytes()).collect();
-    assert!(got.windows(red.len()).any(|window| window == red), "the last picture's first row is among {} bytes", got.len());
+    assert!(
+        got.windows(red.len()).any(|window| window == red),
+        "the last picture's first row is among {} bytes",
+        got.len()
+    );
     let (_, err) = succeed(here, &render(&scene, QUICK, "-o out.exr --display-server=127.0.0.1:1"));
     assert!(err.contains("warning: live view"), "{err}");
     assert_eq!(run(here, &render(&scene, QUICK, "-o out.exr --display-server=host:99999")).0, 2);

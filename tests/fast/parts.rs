@@ -11,12 +11,7 @@ use proptest::prelude::*;
 
 use crate::support::renders::{ball, go_on_for, info, passes, whole};
 
-const METHODS: [(&str, &str); 4] = [
-    ("photon_map", "pd"),
-    ("photon_map", "knn"),
-    ("path", "pd"),
-    ("light", "pd"),
-];
+const METHODS: [(&str, &str); 4] = [("photon_map", "pd"), ("photon_map", "knn"), ("path", "pd"), ("light", "pd")];
 
 fn world_of((method, estimator): (&str, &str)) -> World {
     ball(&[("render.method", method), ("render.estimator", estimator)])

@@ -177,6 +177,19 @@ fn unsafe_code_and_printing_stay_in_their_rooms() {
     assert!(read(&root().join("src/lib.rs")).contains("#![forbid(unsafe_code)]"));
 }
 
+/// Intervals and limits are counted by the monotonic clock: one that is set in the middle of a render changes nothing.
+#[test]
+fn no_clock_that_can_jump_is_read() {
+    let mut broken = Vec::new();
+    for (file, lines) in sources() {
+        let jumps = |line: &&Line| has_word(&line.code, "SystemTime") || has_word(&line.code, "UNIX_EPOCH");
+        broken.extend(
+            lines.iter().filter(jumps).map(|line| format!("src/{file}:{}: a clock that can jump", line.number)),
+        );
+    }
+    report(&broken);
+}
+
 #[test]
 fn every_allow_has_a_reason() {
     let mut broken = Vec::new();
