@@ -57,7 +57,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
 fn digest_of(parts: &[PathBuf]) -> String {
     let mut digests: Vec<Option<[u8; 32]>> = parts.iter().map(|path| part::digest(path)).collect();
     digests.sort_unstable();
-    let bytes: Vec<u8> = digests.into_iter().map(Option::unwrap_or_default).flatten().collect();
+    let bytes: Vec<u8> = digests.into_iter().flat_map(Option::unwrap_or_default).collect();
     blake3::hash(&bytes).to_hex().to_string()
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::film::PixelBounds;
+use crate::film::{Film, PixelBounds};
 use crate::output::part::{self, Identity, Part, PartInfo};
 use crate::output::sidecar::{BackendIdentity, Program, SceneIdentity, settings_by_name};
 use crate::output::{PartError, WriteError};
@@ -202,7 +202,7 @@ fn missing(tiles: &[Tile], info: &PartInfo) -> Result<Option<String>, StoreError
     }
     let mut found = Vec::new();
     let mut next = 0;
-    for run in passes[0].iter().cloned().chain([info.wanted_passes..u32::MAX]) {
+    for run in passes[0].iter().cloned().chain(std::iter::once(info.wanted_passes..u32::MAX)) {
         if next < run.start {
             found.push(format!("passes {next}..{} are missing", run.start));
         }
@@ -217,12 +217,13 @@ fn missing(tiles: &[Tile], info: &PartInfo) -> Result<Option<String>, StoreError
     Ok((!found.is_empty()).then(|| found.join("; ")))
 }
 
+/// The picture of all tiles.
 fn assemble(mut tiles: Vec<Tile>, resolution: [u32; 2]) -> RenderState {
     let whole = PixelBounds::whole(resolution);
     if tiles.len() == 1 && tiles[0].state.film.bounds() == whole {
         return tiles.remove(0).state;
     }
-    let mut film = crate::film::Film::new(whole, 0, &tiles[0].state.film.layout().layers().to_vec());
+    let mut film = Film::new(whole, 0, tiles[0].state.film.layout().layers());
     let mut report = RenderReport::default();
     for (i, tile) in tiles.iter().enumerate() {
         film.paste(&tile.state.film);

@@ -113,10 +113,11 @@ fn parts_are_merged_to_the_file_of_one_machine_and_not_made_twice() {
 
     let made = |name: &str| here.join(name).metadata().expect("there").modified().expect("a time");
     let before = [made("a.pdpart"), made("b.pdpart"), made("merged.exr")];
-    let mut told = Vec::new();
-    told.push(succeed(here, &render(&scene, QUICK, "-o a.exr --pass-range=0..1")).1);
-    told.push(succeed(here, &render(&scene, QUICK, "-o b.pdpart --pass-range=1..3")).1);
-    told.push(succeed(here, &["merge b.pdpart a.pdpart -o merged.exr --no-timestamps"]).1);
+    let told = [
+        succeed(here, &render(&scene, QUICK, "-o a.exr --pass-range=0..1")).1,
+        succeed(here, &render(&scene, QUICK, "-o b.pdpart --pass-range=1..3")).1,
+        succeed(here, &["merge b.pdpart a.pdpart -o merged.exr --no-timestamps"]).1,
+    ];
     assert!(told.iter().all(|err| err.contains("was there already")), "{told:?}");
     assert_eq!([made("a.pdpart"), made("b.pdpart"), made("merged.exr")], before);
 
