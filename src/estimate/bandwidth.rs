@@ -20,11 +20,11 @@ pub fn scale(bandwidth: Bandwidth, emission: EmissionPattern, kernel: KernelShap
     epanechnikov * (kernel::variance(KernelShape::Epanechnikov) / kernel::variance(kernel)).sqrt()
 }
 
-/// How much narrower than those of pass 0 all footprints of pass `pass` are: i^(−β), i counted from 1.
+/// How much narrower than those of pass 0 all footprints of pass `pass` are: i^(−γ), i counted from 1.
 ///
-/// The mean of the passes has a bias like the mean of their s², i^(−2β), and noise like i^(−1/2) s^(−p), where p says
+/// The mean of the passes has a bias like the mean of their s², i^(−2γ), and noise like i^(−1/2) s^(−p), where p says
 /// how fast a wider footprint takes noise away: 1 for random emission, 1.9 for jittered, 2.6 for lattices, measured
-/// (PHOTON_DIFFERENTIALS 4.4). Both fall alike with β = 1/(2(2 + p)), for random emission the 1/6 of progressive photon
+/// (PHOTON_DIFFERENTIALS 4.4). Both fall alike with γ = 1/(2(2 + p)), for random emission the 1/6 of progressive photon
 /// mapping's α = 2/3.
 pub fn narrowing(emission: EmissionPattern, pass: u32) -> f64 {
     let p = match emission {

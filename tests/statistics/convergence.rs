@@ -124,7 +124,7 @@ fn the_mean_of_a_thousand_passes_goes_to_the_exact_picture() {
         }
         let law = power_law(&errors).expect("a line");
         let narrowing = |pass| bandwidth::narrowing(pattern, pass);
-        // The exponent of bias and noise alike, −2β = ln c²(1000)/ln 1000.
+        // The exponent of bias and noise alike, −2γ = ln c²(1000)/ln 1000.
         let predicted = 2.0 * narrowing(999).ln() / 1000f64.ln();
 
         let mut first = rendered(&with(1), 0, 1);
