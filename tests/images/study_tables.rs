@@ -125,3 +125,8 @@ fn ring() {
 fn ring_floor() {
     tables_hold("ring/floor_study");
 }
+
+#[test]
+fn ball_lens() {
+    tables_hold("refraction/ball_study");
+}
