@@ -77,7 +77,8 @@ struct PartArgs {
     /// Render tile J of M only, J from 0, and keep its sums in out.pdpart; does nothing if they are there
     #[arg(long, value_name = "J/M", value_parser = tile)]
     tile: Option<(u32, u32)>,
-    /// Share the passes out over the ranks of an mpirun; the first rank tells, and writes the picture
+    /// Share the passes out over the ranks of an mpirun; the first rank tells, and writes the picture. Under an mpirun
+    /// this is so without being said, unless an option is given that concerns one process
     #[cfg(feature = "mpi")]
     #[arg(long, conflicts_with_all = ["pass_range", "tile", "time_limit", "target_error", "checkpoint", "display_server"])]
     mpi: bool,
@@ -90,7 +91,7 @@ struct KeepArgs {
     #[arg(long, env = "PDEMBREE_CHECKPOINT", value_name = "FILE")]
     checkpoint: Option<PathBuf>,
     /// How often
-    #[arg(long, env = "PDEMBREE_EVERY", value_name = "TIME", default_value = "60s", value_parser = length_of_time, requires = "checkpoint")]
+    #[arg(long, env = "PDEMBREE_EVERY", value_name = "TIME", default_value = "60s", value_parser = length_of_time)]
     every: Duration,
     /// Go on where the checkpoint ends; from the start if there is none yet
     #[arg(long, requires = "checkpoint")]
@@ -103,7 +104,22 @@ struct KeepArgs {
     display_server: Option<String>,
 }
 
+/// Whether Open MPI or an MPICH started this process.
+#[cfg(feature = "mpi")]
+fn is_under_mpirun() -> bool {
+    ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"].iter().any(|name| std::env::var_os(name).is_some())
+}
+
 impl Args {
+    /// Whether nothing is asked for that only one process can do.
+    #[cfg(feature = "mpi")]
+    fn may_be_shared_out(&self) -> bool {
+        let Args { until, part, keep, .. } = self;
+        let parts = part.pass_range.is_some() || part.tile.is_some();
+        let bounds = until.time_limit.is_some() || until.target_error.is_some();
+        !parts && !bounds && keep.checkpoint.is_none() && keep.display_server.is_none()
+    }
+
     /// How progress is told.
     pub fn progress(&self) -> Mode {
         self.work.progress()
@@ -112,7 +128,7 @@ impl Args {
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     #[cfg(feature = "mpi")]
-    if args.part.mpi {
+    if args.part.mpi || is_under_mpirun() && args.may_be_shared_out() {
         return over_ranks(verbosity, |ranks, verbosity| render(args, verbosity, ranks));
     }
     render(args, verbosity, &Alone)
