@@ -60,8 +60,10 @@ mod over_mpi {
             Ok(done) if done == ExitCode::SUCCESS => Ok(done),
             Ok(_) => ranks.end_all(code::FAILED),
             Err(failure) => {
-                let lost = format!("rank {}: {}; all ranks end, nothing was written", ranks.rank(), failure.message);
-                note(verbosity, "error", &lost);
+                // A scene's problems were printed where they were found.
+                let colon = if failure.message.is_empty() { "" } else { ": " };
+                let what = format!("rank {} failed{colon}{}", ranks.rank(), failure.message);
+                note(verbosity, "error", &format!("{what}; all ranks end, nothing was written"));
                 ranks.end_all(failure.code)
             }
         }
