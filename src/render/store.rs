@@ -51,7 +51,7 @@ pub enum StoreError {
     Part(#[from] PartError),
     #[error("{}: belongs to another render than {other}: {}; use what it was made with, or another file", path.display(), differences.join("; "))]
     OtherRender { path: PathBuf, other: String, differences: Vec<String> },
-    #[error("{}: holds {found}, not {wanted}; give the same --tile and --pass-range, or another file", path.display())]
+    #[error("{}: holds {found}, not {wanted}; give the same --tile and passes, or another file", path.display())]
     OtherAssignment { path: PathBuf, found: String, wanted: String },
     #[error("{}: holds a pass that is not finished; finish it with --resume", path.display())]
     PassUnderWay { path: PathBuf },
@@ -94,6 +94,12 @@ pub fn resume(path: &Path, info: &PartInfo, assignment: &Assignment) -> Result<R
             found: tell(&state.film.bounds(), state.film.first_pass()),
             wanted: tell(&assignment.pixels, assignment.passes.start),
         });
+    }
+    let begun = state.film.pass().saturating_add(u32::from(!state.film.is_between_passes()));
+    if begun > assignment.passes.end {
+        let passes = |end: u32| format!("passes {}..{end}", assignment.passes.start);
+        let (found, wanted) = (passes(begun), passes(assignment.passes.end));
+        return Err(StoreError::OtherAssignment { path: path.to_owned(), found, wanted });
     }
     Ok(state)
 }

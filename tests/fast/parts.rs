@@ -219,6 +219,11 @@ fn a_checkpoint_of_another_task_is_refused() {
     let resume = |world: &World, assignment| store::resume(&path, &info(world, 2), &assignment);
     let mine = Assignment { pixels: whole(&world), passes: 0..2 };
     assert!(resume(&world, mine.clone()).is_ok());
+    // A picture of more passes than are wanted is another picture.
+    let two = saved(folder.path(), "two", &world, 2, &passes(&world, whole(&world), 0, 2));
+    let fewer = store::resume(&two, &info(&world, 1), &Assignment { passes: 0..1, ..mine.clone() });
+    let refused = fewer.map(|_| ()).expect_err("too many passes").to_string();
+    assert!(refused.contains("holds passes 0..2, not passes 0..1"), "{refused}");
     let later = resume(&world, Assignment { passes: 1..2, ..mine.clone() });
     assert!(matches!(later, Err(StoreError::OtherAssignment { .. })));
     let pixels = tiling::tile(world.scene.camera.resolution, 0, 2).expect("a tile");
