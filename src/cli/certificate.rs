@@ -29,7 +29,7 @@ pub fn certificate(
     counters.insert("invalid_rays".to_owned(), report.invalid_rays);
     counters.insert("inexact_hits".to_owned(), report.inexact_hits);
     let mut settings = info.identity.settings.clone();
-    settings.insert("passes".to_owned(), report.passes.into());
+    settings.insert("passes".to_owned(), film.passes().into());
     BirthCertificate {
         schema: SCHEMA,
         program: info.identity.program.clone(),
@@ -39,7 +39,7 @@ pub fn certificate(
         settings,
         backend: info.identity.backend.clone(),
         first_pass: film.first_pass(),
-        passes: report.passes,
+        passes: film.passes(),
         noise: film.noise().map(|noise| noise.relative),
         photons_emitted: report.photons.photons_emitted,
         photons_stored: report.photons.photons_stored,

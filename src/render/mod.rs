@@ -31,7 +31,6 @@ use watch::{Stopped, Unattended, Watch};
 /// What a render did, for the birth certificate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RenderReport {
-    pub passes: u32,
     /// All photons of all passes; zero for the methods without a map.
     pub photons: PhotonCounts,
     /// The same for each light, in the order of the scene's lights.
@@ -120,7 +119,6 @@ pub fn go_on(
             break;
         }
         state.film.end_pass();
-        state.report.passes = state.film.passes();
         state.report.seconds = before + start.elapsed().as_secs_f64();
         watch.look(state);
     }
@@ -151,7 +149,6 @@ impl RenderReport {
 
     /// Adds what was done for other passes.
     fn add_passes(&mut self, other: &RenderReport) {
-        self.passes += other.passes;
         self.add_photons(&other.photons, &other.photons_by_light);
         self.add_work(other);
     }
@@ -159,7 +156,6 @@ impl RenderReport {
     /// Adds what was done for other pixels of the same passes; every tile traces the same photons.
     fn paste(&mut self, other: &RenderReport, first: bool) {
         if first {
-            self.passes = other.passes;
             self.add_photons(&other.photons, &other.photons_by_light);
         }
         self.add_work(other);

@@ -129,11 +129,11 @@ fn rendered(order: &Order, world: World) -> Result<(Image, Record), StudyError> 
     }?;
     let record = Record {
         seconds: start.elapsed().as_secs_f64(),
-        passes: rendered.report.passes,
+        passes: rendered.film.passes(),
         photons: match settings.method {
             Method::Path => None,
             Method::PhotonMap => Some(rendered.report.photons.photons_emitted),
-            Method::LightTrace => Some(settings.photons * u64::from(rendered.report.passes)),
+            Method::LightTrace => Some(settings.photons * u64::from(rendered.film.passes())),
         },
         photons_stored: (settings.method == Method::PhotonMap).then_some(rendered.report.photons.photons_stored),
         backend: world.backend.describe(),
