@@ -4,7 +4,10 @@ pub mod bandwidth;
 pub mod gather;
 pub mod kernel;
 pub mod nearest;
+pub mod pair;
+mod receivers;
 pub mod select;
+mod splat;
 
 pub use gather::{Asks, GatherPoint, Gathered};
 pub use select::Estimate;

@@ -8,8 +8,9 @@ use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, QueryResultItem, SquaredEuclidean};
 
-use super::gather::{GatherPoint, Gathered, reflected};
+use super::gather::{GatherPoint, Gathered};
 use super::kernel;
+use super::pair::{MIN_NORMAL_COSINE, reflected};
 use crate::photon::PhotonMap;
 use crate::radiometry::Radiance;
 use crate::scene::settings::KernelShape;
@@ -20,9 +21,6 @@ type Neighbour = QueryResultItem<(), u32, f64>;
 
 /// Factor on the last point's radius: room for a density that falls a little.
 const GUESS_MARGIN: f64 = 1.1;
-
-/// As in the footprint estimate: photons on a surface turned away are another surface's.
-const MIN_NORMAL_COSINE: f64 = 0.9;
 
 /// Positions of a pass's photons, ready for nearest-neighbour queries.
 pub struct NearestPhotons<'a> {
@@ -54,7 +52,7 @@ impl<'a> NearestPhotons<'a> {
                 continue;
             }
             let weight = kernel::evaluate(kernel, neighbour.distance / disc.radius2) / disc.radius2;
-            gathered.radiance += Radiance(reflected(point, photon) * weight);
+            gathered.radiance += Radiance(reflected(photon, point) * weight);
             gathered.density += weight;
         }
         gathered
@@ -113,11 +111,17 @@ mod tests {
     use super::*;
     use crate::math::{Dir3, Normal3, Point3, Vec3};
     use crate::photon::footprint::TangentForm;
-    use crate::photon::{Photon, PhotonCounts};
+    use crate::photon::{Photon, PhotonCounts, PhotonHarvest};
     use crate::radiometry::{Flux, Spectrum};
     use crate::sampling::{Purpose, Stream};
     use crate::scene::{LightId, ObjectId};
     use crate::surface::test_support::lambert_at;
+
+    fn map(photons: Vec<Photon>) -> PhotonMap {
+        let mut harvest = PhotonHarvest::new(1);
+        harvest.add(LightId(0), photons, &PhotonCounts::default());
+        harvest.into_map()
+    }
 
     /// Photons spread evenly at random over the unit square: the density estimate at the centre has the mean n, for
     /// every kernel (PHOTON_DIFFERENTIALS 4.1). A z-test over 4000 maps, five standard errors.
@@ -143,7 +147,7 @@ mod tests {
                 Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), ObjectId(0))
             })
             .collect();
-        let map = PhotonMap::from_units(1, [(LightId(0), photons, PhotonCounts::default())]);
+        let map = map(photons);
         let nearest = NearestPhotons::new(&map);
         let points: Vec<GatherPoint> =
             (0..200).map(|_| point(Point3::new(2.0 * s.uniform(), s.uniform(), 0.0))).collect();
@@ -167,7 +171,7 @@ mod tests {
                 Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), ObjectId(0))
             })
             .collect();
-        let map = PhotonMap::from_units(1, [(LightId(0), photons, PhotonCounts::default())]);
+        let map = map(photons);
         NearestPhotons::new(&map).gather(k, kernel, &[point(Point3::new(0.5, 0.5, 0.0))])[0].density
     }
 }

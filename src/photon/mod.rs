@@ -4,13 +4,14 @@ pub mod emit;
 pub mod footprint;
 pub mod index;
 pub mod map;
+pub mod order;
 pub mod path;
 pub mod record;
 pub mod share;
 pub mod trace;
 
 pub use emit::{EmissionPoints, EmissionUnit};
-pub use map::PhotonMap;
+pub use map::{PhotonHarvest, PhotonMap};
 pub use path::{PathLimits, PhotonCounts};
 pub use record::Photon;
 pub use share::Share;

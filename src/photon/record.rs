@@ -78,6 +78,12 @@ impl Photon {
     pub fn object(&self) -> ObjectId {
         ObjectId(self.object)
     }
+    /// All that it is, for an order among photons.
+    pub fn bits(&self) -> [u32; 16] {
+        let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] =
+            [self.position, self.flux, self.wi, self.normal, self.form].map(|v| v.map(f32::to_bits));
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, self.object]
+    }
 }
 
 fn widened(v: [f32; 3]) -> Vec3 {

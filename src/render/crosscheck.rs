@@ -64,7 +64,7 @@ pub fn crosscheck(
     };
     let mut report = Report::default();
     progress.phase("rays", units);
-    let reports = collect_units(units as usize, &Unattended(progress), unit, || ()).unwrap_or_default();
+    let reports = collect_units(units as usize, &Unattended(progress), unit).unwrap_or_default();
     reports.into_iter().for_each(|found| report.merge(found));
     progress.finish();
     Ok(Crosschecked { report, backends: [pair.a.describe(), pair.b.describe()] })

@@ -4,10 +4,10 @@ use super::photon_map::shoot_some;
 use crate::scene::RenderSettings;
 use crate::world::World;
 
-/// Bytes that a stored photon takes while its map is built, when it takes most: 64 for itself, the rest for the tree over
-/// the footprints and what building it needs. Measured as the growth of a process: 308 where every photon is stored (10⁷
-/// in `scenes/refraction`), 390 where one in thirteen is (`scenes/ring`), whose units hold room for more.
-pub const BYTES_PER_PHOTON: u64 = 400;
+/// Bytes that a stored photon takes while its map is built, when it takes most: 64 for itself, 27 for the tree over the
+/// footprints. Measured as the growth of a process: 94 where every photon is stored (10⁷ in `scenes/refraction`), 115
+/// where one in thirteen is (`scenes/ring`), whose units hold room for more.
+pub const BYTES_PER_PHOTON: u64 = 120;
 
 /// What a pass will take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,13 +3,13 @@
 use super::exposure::expose;
 use super::eye_path::EyeFinds;
 use super::progress::Progress;
-use super::unit::collect_units;
+use super::unit::{run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
 use super::{Job, RenderState};
 use crate::estimate::{Estimate, bandwidth};
 use crate::light::Aim;
 use crate::photon::footprint::Spread;
-use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonMap, PhotonTracer, Share};
+use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Share};
 use crate::scene::LightId;
 use crate::scene::settings::{Estimator, FootprintRule};
 use crate::world::World;
@@ -34,9 +34,13 @@ pub fn shoot(world: &World, pass: u32, watch: &dyn Watch, between: impl Fn()) ->
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, aim, &units[i], spread);
-    let traced = collect_units(units.len(), watch, trace, between)?;
+    let mut harvest = PhotonHarvest::new(world.lights.len());
+    run_units(&scattered(units.len()), watch, trace, |_, (light, photons, counts)| {
+        harvest.add(light, photons, &counts);
+        between();
+    })?;
     watch.finish();
-    Ok(PhotonMap::from_units(world.lights.len(), traced))
+    Ok(harvest.into_map())
 }
 
 fn units(world: &World, aim: &Aim, pass: u32) -> Vec<EmissionUnit> {

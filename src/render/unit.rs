@@ -70,7 +70,7 @@ pub fn run_units<T: Send>(
     if taken == units.len() { Ok(()) } else { Err(Stopped) }
 }
 
-/// Runs units 0 … count − 1, and gives their results in unit order; calls `between` on this thread after each.
+/// Runs units 0 … count − 1, and gives their results in unit order.
 ///
 /// # Errors
 /// `watch` asked to stop.
@@ -78,13 +78,9 @@ pub fn collect_units<T: Send>(
     count: usize,
     watch: &dyn Watch,
     unit: impl Fn(usize) -> T + Sync,
-    between: impl Fn(),
 ) -> Result<Vec<T>, Stopped> {
     let mut results: Vec<Option<T>> = (0..count).map(|_| None).collect();
-    run_units(&scattered(count), watch, unit, |i, result| {
-        results[i] = Some(result);
-        between();
-    })?;
+    run_units(&scattered(count), watch, unit, |i, result| results[i] = Some(result))?;
     Ok(results.into_iter().flatten().collect())
 }
 
@@ -118,7 +114,7 @@ mod tests {
             run_units(&units, &Unattended(&Silent), |i| i, |_, x| sum += x).map(|()| sum)
         });
         assert_eq!(inside.ok(), Some(999 * 500));
-        let squares = collect_units(1000, &Unattended(&Silent), |i| i * i, || ());
+        let squares = collect_units(1000, &Unattended(&Silent), |i| i * i);
         assert_eq!(squares, Ok((0..1000).map(|i| i * i).collect()));
         // A tenth of the numbers lies everywhere.
         let mut tenth: Vec<usize> = units[..100].to_vec();
