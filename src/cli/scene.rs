@@ -6,7 +6,9 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use pdembree::import::{self, Loaded, Override};
-use pdembree::scene::settings::{BackendKind, EmissionPattern, Estimator, FootprintRule, KernelShape, Layer, Method};
+use pdembree::scene::settings::{
+    BackendKind, EmissionPattern, Estimator, FootprintRule, Guiding, KernelShape, Layer, Method,
+};
 
 use super::console::Verbosity;
 use super::failure::Failure;
@@ -49,6 +51,9 @@ struct SettingsArgs {
     /// How the lights' sample squares are filled
     #[arg(long, env = "PDEMBREE_EMISSION", value_parser = PossibleValuesParser::new(EmissionPattern::NAMES))]
     emission: Option<String>,
+    /// Whether pilot photons learn where a light's photons are worth sending
+    #[arg(long, env = "PDEMBREE_GUIDING", value_parser = PossibleValuesParser::new(Guiding::NAMES))]
+    guiding: Option<String>,
     /// Photon differentials, k nearest neighbours or progressive photon mapping
     #[arg(long, env = "PDEMBREE_ESTIMATOR", value_parser = PossibleValuesParser::new(Estimator::NAMES))]
     estimator: Option<String>,
@@ -130,6 +135,7 @@ impl SettingsArgs {
             ("photons", self.photons.map(|n| n.to_string())),
             ("emission", word(&self.emission)),
             ("estimator", word(&self.estimator)),
+            ("guiding", word(&self.guiding)),
             ("footprint", word(&self.footprint)),
             ("kernel", word(&self.kernel)),
             ("bandwidth", self.bandwidth.clone()),

@@ -148,7 +148,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         Radius::Metres(radius) => radius.into(),
     };
     let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
-    let all: [(&str, serde_json::Value); 16] = [
+    let all: [(&str, serde_json::Value); 17] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -157,6 +157,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("photons", settings.photons.into()),
         ("emission", settings.emission.name().into()),
         ("estimator", settings.estimator.name().into()),
+        ("guiding", settings.guiding.name().into()),
         ("footprint", settings.footprint.name().into()),
         ("kernel", settings.kernel.name().into()),
         ("bandwidth", bandwidth),

@@ -6,7 +6,9 @@
 
 use std::f64::consts::FRAC_2_SQRT_PI;
 use std::ops::Range;
+use std::sync::Arc;
 
+use super::guide::Guide;
 use super::share::Share;
 use crate::light::{Aim, Emission, Light, Lights};
 use crate::sampling::lattice::Rank1Lattice;
@@ -89,70 +91,99 @@ impl EmissionPoints {
         leading(self.collimated, [lead[0], lead[1], other[0], other[1]])
     }
 
-    /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell.
-    pub fn share(&self, mut emission: Emission) -> Emission {
-        emission.flux = emission.flux / self.lattice.len() as f64;
+    /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell. Of
+    /// points that are kept with the probability `keep` each stands for 1/keep of them.
+    pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
+        emission.flux = emission.flux / (keep * self.lattice.len() as f64);
         for (column, side) in emission.jacobian.columns.iter_mut().zip(self.cell) {
-            *column = column.scaled(FRAC_2_SQRT_PI * side);
+            *column = column.scaled(FRAC_2_SQRT_PI * side / keep.sqrt());
         }
         emission
     }
 }
 
 /// (u, v; θ, φ) with the pair in front that leads; its own inverse.
-fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4] {
+pub(super) fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4] {
     if collimated { [u, v, theta, phi] } else { [theta, phi, u, v] }
 }
 
-/// A run of consecutive photons of one light: a unit of work.
+/// What one light sends in every pass.
+#[derive(Clone, Debug)]
+pub struct EmissionPlan {
+    pub light: LightId,
+    /// Points that fill its emission map.
+    pub points: u64,
+    /// The cell that each stands for.
+    pub share: Share,
+    /// Which of them are kept; all of them if there is none.
+    pub guide: Option<Arc<Guide>>,
+}
+
+impl EmissionPlan {
+    /// `n` photons for each light, evenly over its map; lights that are due none are left out. `share` gives the cell of
+    /// each of a light's n photons.
+    pub fn even(lights: &Lights, due: &[u64], share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
+        let lights = lights.iter().zip(due).filter(|&(_, &n)| n > 0);
+        lights
+            .map(|((light, _), &points)| EmissionPlan { light, points, share: share(light, points), guide: None })
+            .collect()
+    }
+
+    /// About how many photons are emitted.
+    pub fn photons(&self) -> f64 {
+        self.points as f64 * self.guide.as_ref().map_or(1.0, |guide| guide.kept())
+    }
+}
+
+/// A run of consecutive points of one light: a unit of work.
 #[derive(Clone, Debug)]
 pub struct EmissionUnit {
     pub light: LightId,
+    guide: Option<Arc<Guide>>,
     points: EmissionPoints,
     range: Range<u64>,
 }
 
 impl EmissionUnit {
-    /// Cuts a pass's photons, allotted to the lights by what they send towards `aim`, into units of at most `size`.
-    /// `share` gives the cell of each of a light's n photons.
+    /// Cuts a pass's photons into units of about `size`.
     pub fn all(
+        plans: &[EmissionPlan],
         lights: &Lights,
         settings: &RenderSettings,
         aim: &Aim,
         pass: u32,
         size: u64,
-        share: impl Fn(LightId, u64) -> Share,
     ) -> Vec<EmissionUnit> {
         let mut units = Vec::new();
-        for ((light, source), n) in lights.iter().zip(lights.allot(settings.photons, aim)) {
-            if n == 0 {
-                continue;
-            }
-            let points = EmissionPoints::new(settings, source, light, aim, share(light, n), n, pass);
-            for start in (0..n).step_by(size as usize) {
-                let range = start..(start + size).min(n);
-                units.push(EmissionUnit { light, points: points.clone(), range });
+        for plan in plans {
+            let (light, n) = (plan.light, plan.points);
+            let points = EmissionPoints::new(settings, lights.get(light), light, aim, plan.share, n, pass);
+            let step = (size as f64 * n as f64 / plan.photons()).ceil() as u64;
+            for start in (0..n).step_by(step as usize) {
+                let range = start..(start + step).min(n);
+                units.push(EmissionUnit { light, guide: plan.guide.clone(), points: points.clone(), range });
             }
         }
         units
     }
 
-    pub fn len(&self) -> u64 {
-        self.range.end - self.range.start
-    }
-    pub fn is_empty(&self) -> bool {
-        self.range.is_empty()
-    }
-
-    /// Emits the unit's photons in order, each with its own stream; samples that carry no flux are left out.
-    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, &mut Stream)) {
+    /// Emits the unit's photons in order, each with its own stream, and returns how many; samples that carry no flux
+    /// count, but `photon` does not get them.
+    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, &mut Stream)) -> u64 {
         let light = lights.get(self.light);
+        let mut emitted = 0;
         for i in self.range.clone() {
             let mut stream = self.points.stream(i);
             let u = self.points.point(i, &mut stream);
+            let keep = self.guide.as_ref().map_or(1.0, |guide| guide.keep(leading(self.points.collimated, u)));
+            if keep < 1.0 && stream.uniform() >= keep {
+                continue;
+            }
+            emitted += 1;
             if let Some(emission) = light.emit(u, aim).filter(|e| !e.flux.is_zero()) {
-                photon(&self.points.share(emission), &mut stream);
+                photon(&self.points.share(emission, keep), &mut stream);
             }
         }
+        emitted
     }
 }

@@ -2,6 +2,7 @@
 
 pub mod emit;
 pub mod footprint;
+pub mod guide;
 pub mod index;
 pub mod map;
 pub mod order;
@@ -10,7 +11,7 @@ pub mod record;
 pub mod share;
 pub mod trace;
 
-pub use emit::{EmissionPoints, EmissionUnit};
+pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit};
 pub use map::{PhotonHarvest, PhotonMap};
 pub use path::{PathLimits, PhotonCounts};
 pub use record::Photon;

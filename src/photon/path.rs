@@ -22,7 +22,7 @@ impl PathLimits {
 /// What became of the emitted photons. Every photon or branch that ends without being stored shows here once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PhotonCounts {
-    /// Photons that left the lights; divides the estimate.
+    /// Photons that left the lights. Guided ones are drawn, so that their number is not exactly what was asked for.
     pub photons_emitted: u64,
     /// Records made: L S⁺ D vertices.
     pub photons_stored: u64,

@@ -16,11 +16,10 @@ use crate::camera::Camera;
 use crate::film::{Exposure, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
-use crate::photon::{EmissionUnit, Share};
+use crate::photon::{EmissionPlan, EmissionUnit, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
-use crate::scene::RenderSettings;
 use crate::scene::settings::Layer;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Event, Interaction, TransportMode};
@@ -52,11 +51,11 @@ impl<'a> Kind<'a> {
         (aim, first_event): (&'a Aim, FirstEvent),
         paths: u64,
     ) -> Kind<'a> {
-        let settings = RenderSettings { photons: paths, ..world.scene.settings.clone() };
-        let units = EmissionUnit::all(&world.lights, &settings, aim, pass, PATHS_PER_UNIT, |light, n| {
+        let plans = EmissionPlan::even(&world.lights, &world.lights.allot(paths, aim), |light, n| {
             let source = world.lights.get(light);
             if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
         });
+        let units = EmissionUnit::all(&plans, &world.lights, &world.scene.settings, aim, pass, PATHS_PER_UNIT);
         Kind { exposure, aim, first_event, units }
     }
 

@@ -16,13 +16,14 @@ pub mod tiling;
 pub mod unit;
 pub mod watch;
 
+use std::cell::OnceCell;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::film::{Film, PixelBounds};
-use crate::photon::PhotonCounts;
+use crate::photon::{EmissionPlan, PhotonCounts};
 use crate::scene::settings::Method;
 use crate::world::World;
 use progress::Progress;
@@ -69,6 +70,8 @@ pub struct Job<'a> {
     pub world: &'a World,
     pub camera: Camera,
     pub watch: &'a dyn Watch,
+    /// What each light sends in every pass, once a pass with photons has asked.
+    pub plans: OnceCell<Vec<EmissionPlan>>,
 }
 
 /// A camera that does not span a frame; assembly refuses such scenes.
@@ -109,7 +112,8 @@ pub fn go_on(
     watch: &dyn Watch,
     more: impl Fn(&RenderState) -> bool,
 ) -> Result<Ended, BadCamera> {
-    let job = Job { world, camera: Camera::new(&world.scene.camera).ok_or(BadCamera)?, watch };
+    let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
+    let job = Job { world, camera, watch, plans: OnceCell::new() };
     let (start, before) = (Instant::now(), state.report.seconds);
     let [invalid_rays, inexact_hits] = [world.backend.invalid_rays(), world.inexact_hits()];
     let mut ended = Ended::Done;

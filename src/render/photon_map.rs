@@ -1,36 +1,79 @@
 //! The main conductor: one pass reads emit → trace → map → gather → film.
 
+use std::sync::Arc;
+
 use super::exposure::expose;
 use super::eye_path::EyeFinds;
-use super::progress::Progress;
-use super::unit::{run_units, scattered};
+use super::progress::{Progress, Silent};
+use super::unit::{collect_units, run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
 use super::{Job, RenderState};
 use crate::estimate::{Estimate, bandwidth};
-use crate::light::Aim;
+use crate::light::{Aim, Light, select};
 use crate::photon::footprint::Spread;
-use crate::photon::{EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Share};
+use crate::photon::guide::{self, Found};
+use crate::photon::{
+    EmissionPlan, EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Share,
+};
 use crate::scene::LightId;
-use crate::scene::settings::{Estimator, FootprintRule};
+use crate::scene::settings::{Estimator, FootprintRule, Guiding};
 use crate::world::World;
 
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
 
+/// Of pilots, whose footprints are compared with each other or not looked at.
+const UNIT_SPREAD: Spread = Spread::Columns { rule: FootprintRule::Quadratic, scale: 1.0 };
+
 /// The rest of the pass under way of the photon-map renderer, added to the film.
 pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
-    let map = shoot(world, pass, job.watch, || job.watch.look(state))?;
+    let plans = job.plans.get_or_init(|| plan(world));
+    let map = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
     let estimate = Estimate::new(&map, &world.scene.settings, pass);
     expose(job, EyeFinds::AllButCaustics, Some(&estimate), state)?;
     state.report.add_photons(&map.counts, &map.by_light);
     Ok(())
 }
 
+/// What each light sends in every pass: photons in proportion to what it can send to specular objects, of which pilots
+/// learn where on them it is of use.
+pub fn plan(world: &World) -> Vec<EmissionPlan> {
+    let (Some(aim), settings) = (&world.aim, &world.scene.settings) else { return Vec::new() };
+    let due = world.lights.allot(settings.photons, aim);
+    let found: Vec<Found> = world.lights.iter().zip(&due).map(|((light, _), &n)| learn(world, light, aim, n)).collect();
+    let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
+    let plan = |(((light, _), found), n): (((LightId, &dyn Light), Found), u64)| {
+        let (points, guide) = found.fill(n);
+        EmissionPlan { light, points, share: share_of(world, light, aim, points), guide: guide.map(Arc::new) }
+    };
+    let lights = world.lights.iter().zip(found).zip(select::allot(settings.photons, &worth));
+    lights.filter(|&(_, n)| n > 0).map(plan).collect()
+}
+
+/// Where on its emission map a light that is due `n` photons is of use.
+fn learn(world: &World, light: LightId, aim: &Aim, n: u64) -> Found {
+    let (settings, source) = (&world.scene.settings, world.lights.get(light));
+    let Some(side) = guide::cells_for(n).filter(|_| settings.guiding == Guiding::On) else { return Found::Everywhere };
+    let row = |row: usize| {
+        let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
+        guide::hits(source, light, aim, (row, side), &mut tracer)
+    };
+    // Nobody stops it: it takes less than a pass's photons.
+    collect_units(side, &Unattended(&Silent), row)
+        .map_or(Found::Everywhere, |rows| guide::found(&rows, source.is_delta()))
+}
+
 /// emit → trace → map: the photons of pass `pass`. `between` is called after every unit.
-pub fn shoot(world: &World, pass: u32, watch: &dyn Watch, between: impl Fn()) -> Result<PhotonMap, Stopped> {
+pub fn shoot(
+    world: &World,
+    plans: &[EmissionPlan],
+    pass: u32,
+    watch: &dyn Watch,
+    between: impl Fn(),
+) -> Result<PhotonMap, Stopped> {
     let Some(aim) = &world.aim else { return Ok(PhotonMap::empty(world.lights.len())) };
-    let units = units(world, aim, pass);
+    let units = units(world, plans, aim, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, aim, &units[i], spread);
@@ -43,10 +86,8 @@ pub fn shoot(world: &World, pass: u32, watch: &dyn Watch, between: impl Fn()) ->
     Ok(harvest.into_map())
 }
 
-fn units(world: &World, aim: &Aim, pass: u32) -> Vec<EmissionUnit> {
-    EmissionUnit::all(&world.lights, &world.scene.settings, aim, pass, PHOTONS_PER_UNIT, |light, n| {
-        share_of(world, light, aim, n)
-    })
+fn units(world: &World, plans: &[EmissionPlan], aim: &Aim, pass: u32) -> Vec<EmissionUnit> {
+    EmissionUnit::all(plans, &world.lights, &world.scene.settings, aim, pass, PHOTONS_PER_UNIT)
 }
 
 fn limits(world: &World) -> PathLimits {
@@ -55,8 +96,8 @@ fn limits(world: &World) -> PathLimits {
 
 fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> (LightId, Vec<Photon>, PhotonCounts) {
     let mut tracer = PhotonTracer::new(world, limits(world), spread);
-    unit.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
-    tracer.counts.photons_emitted = unit.len();
+    let emitted = unit.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+    tracer.counts.photons_emitted = emitted;
     (unit.light, tracer.photons, tracer.counts)
 }
 
@@ -64,7 +105,8 @@ fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> 
 pub fn shoot_some(world: &World, pass: u32, some: usize) -> PhotonCounts {
     let mut counts = PhotonCounts::default();
     let Some(aim) = &world.aim else { return counts };
-    let units = units(world, aim, pass);
+    let plans = plan(world);
+    let units = units(world, &plans, aim, pass);
     let step = units.len().div_ceil(some.max(1)).max(1);
     let spread = spread(world, pass);
     units.iter().step_by(step).for_each(|unit| counts.merge(&trace_unit(world, aim, unit, spread).2));
@@ -73,7 +115,8 @@ pub fn shoot_some(world: &World, pass: u32, some: usize) -> PhotonCounts {
 
 /// The photons of pass `pass`, by someone who does not stop.
 pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
-    shoot(world, pass, &Unattended(progress), || ()).unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
+    shoot(world, &plan(world), pass, &Unattended(progress), || ())
+        .unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.
@@ -101,6 +144,6 @@ fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
     if source.is_delta() {
         return Share::leading(n, source.is_collimated());
     }
-    let mut pilot = PhotonTracer::new(world, limits(world), Spread::Columns { rule: settings.footprint, scale: 1.0 });
+    let mut pilot = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
     Share::balanced(source, light, aim, n, &mut pilot)
 }

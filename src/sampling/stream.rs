@@ -17,6 +17,8 @@ pub enum Purpose {
     LightPath = 5,
     /// Numbers that tests draw.
     Test = 6,
+    /// Pilots that learn where a light's photons are worth sending; the index is the pilot.
+    Guide = 7,
 }
 
 /// The numbers of one path.

@@ -7,7 +7,7 @@ use super::description::{
     ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{BackendKind, Bandwidth, Radius, RenderSettings};
+use super::settings::{BackendKind, Bandwidth, Guiding, Radius, RenderSettings};
 use super::texture::{ImageTexture, Wrap};
 
 /// Changes when the serialisation below does.
@@ -107,6 +107,7 @@ impl Canonical {
             spp,
             photons,
             emission,
+            guiding,
             estimator,
             footprint,
             kernel,
@@ -133,7 +134,10 @@ impl Canonical {
                 self.numbers(&[*s]);
             }
         }
-        // Only where it is set, so that other scenes keep the digest they had before there was a radius.
+        // Only where they are set, so that other scenes keep the digest they had before there were these.
+        if *guiding == Guiding::Off {
+            self.tag("unguided");
+        }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");
             self.numbers(&[*radius]);

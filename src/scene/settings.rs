@@ -42,6 +42,15 @@ named_choice!(
 );
 
 named_choice!(
+    /// Whether pilot photons learn where a light's photons are worth sending.
+    Guiding {
+        On = "on",
+        /// Evenly to everything around the specular objects.
+        Off = "off",
+    }
+);
+
+named_choice!(
     /// How the light at a point is estimated from photons.
     Estimator {
         /// Photon differentials: every photon's own footprint.
@@ -131,6 +140,7 @@ pub struct RenderSettings {
     /// Photons emitted from all lights, in each pass.
     pub photons: u64,
     pub emission: EmissionPattern,
+    pub guiding: Guiding,
     pub estimator: Estimator,
     pub footprint: FootprintRule,
     pub kernel: KernelShape,
@@ -157,6 +167,7 @@ impl Default for RenderSettings {
             spp: 16,
             photons: 200_000,
             emission: EmissionPattern::Lattice,
+            guiding: Guiding::On,
             estimator: Estimator::Differentials,
             footprint: FootprintRule::Quadratic,
             // Smooth to the second derivative at its edge: at equal smoothing a lattice leaves a third of the ripple that

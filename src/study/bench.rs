@@ -102,21 +102,24 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// The budget with photons that are to be stored turned into those that are to be emitted.
+    /// The budget with photons that are to be stored turned into those that are to be emitted. How well a light is guided
+    /// depends on how many photons it has, so what many of them tell is checked with about as many as are wanted.
     fn emitted(&self, budget: Budget) -> Result<Budget, StudyError> {
         let Budget::Stored(n) = budget else { return Ok(budget) };
         let share = match self.stored_share.get() {
             Some(&share) => share,
             None => {
-                let share = self.measure_stored_share()?;
+                let share = self.measure_stored_share(PILOTS)?;
                 *self.stored_share.get_or_init(|| share)
             }
         };
+        let about = (n as f64 / share).ceil() as u64;
+        let share = if about < PILOTS { self.measure_stored_share(about)? } else { share };
         Ok(Budget::Photons((n as f64 / share).round() as u64))
     }
 
-    fn measure_stored_share(&self) -> Result<f64, StudyError> {
-        let photons = Override::new("render.photons", PILOTS.to_string());
+    fn measure_stored_share(&self, photons: u64) -> Result<f64, StudyError> {
+        let photons = Override::new("render.photons", photons.to_string());
         let overrides = [self.scene.overrides.clone(), vec![photons]].concat();
         let scene = import::load(&self.study.folder.join(&self.scene.file), &overrides)?.scene;
         let counts = photon_map::shoot_all(&World::new(scene)?, 0, &Silent).counts;

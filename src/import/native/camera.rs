@@ -10,8 +10,8 @@ use crate::import::keyed::reader::Section;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraModelDescription};
 use crate::scene::settings::{
-    BackendKind, Bandwidth, EmissionPattern, Estimator, FootprintRule, KernelShape, Layer, MAX_PHOTONS_PER_PASS,
-    Method, Radius, RenderSettings,
+    BackendKind, Bandwidth, EmissionPattern, Estimator, FootprintRule, Guiding, KernelShape, Layer,
+    MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
 };
 
 /// Pixels along one side at most.
@@ -162,6 +162,11 @@ pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
             "emission",
             Choice { names: EmissionPattern::NAMES, from_name: EmissionPattern::from_name },
             default.emission,
+        ),
+        guiding: section.or(
+            "guiding",
+            Choice { names: Guiding::NAMES, from_name: Guiding::from_name },
+            default.guiding,
         ),
         estimator: section.or(
             "estimator",
