@@ -5,12 +5,13 @@
 //! f64 step narrower at both ends.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use embree4_sys::{CommittedScene, Device, SceneBuilder, SceneError, UserGeometry, UserHit, UserRay};
 
 use super::geometry::{Geometry, Item, PlacedShape, Triangles};
 use super::nearest::{Gate, MAX_DIRECTION, MIN_DIRECTION};
-use super::{Backend, BackendError, RawHit, geometry};
+use super::{Backend, BackendError, Query, RawHit, geometry};
 use crate::math::{Point3, Ray, Transform, Vec3};
 use crate::scene::ObjectId;
 
@@ -76,6 +77,15 @@ impl Backend for EmbreeBackend {
 
     fn invalid_rays(&self) -> u64 {
         self.gate.refused()
+    }
+
+    fn time(&self, query: Query, rays: &[Ray]) -> Duration {
+        let rays: Vec<embree4_sys::Ray> = rays.iter().map(narrowed).collect();
+        let query = match query {
+            Query::Intersect => embree4_sys::Query::Intersect,
+            Query::Occluded => embree4_sys::Query::Occluded,
+        };
+        self.scene.time(query, &rays)
     }
 }
 

@@ -7,9 +7,12 @@ pub mod embree;
 pub mod geometry;
 mod nearest;
 pub mod obvhs;
+pub mod record;
 pub mod triangle;
 
+use std::hint::black_box;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 pub use brute::BruteBackend;
 #[cfg(feature = "embree")]
@@ -17,6 +20,7 @@ pub use embree::EmbreeBackend;
 pub use geometry::Geometry;
 pub use nearest::is_valid;
 pub use obvhs::ObvhsBackend;
+pub use record::{Recorded, RecordingBackend};
 
 use crate::math::Ray;
 use crate::scene::settings::BackendKind;
@@ -45,6 +49,27 @@ pub trait Backend: Send + Sync {
     fn describe(&self) -> String;
     /// Rays refused so far.
     fn invalid_rays(&self) -> u64;
+
+    /// How long the library itself takes to answer for all `rays` one after the other.
+    fn time(&self, query: Query, rays: &[Ray]) -> Duration {
+        let start = Instant::now();
+        for ray in rays {
+            match query {
+                Query::Intersect => drop(black_box(self.intersect(ray))),
+                Query::Occluded => drop(black_box(self.occluded(ray))),
+            }
+        }
+        start.elapsed()
+    }
+}
+
+/// What is asked along a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Query {
+    /// The first hit.
+    Intersect,
+    /// Whether there is one.
+    Occluded,
 }
 
 /// Why no backend could be built.

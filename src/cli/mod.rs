@@ -2,6 +2,7 @@
 //!
 //! stdout carries what was asked for and nothing else; progress, warnings and errors go to stderr.
 
+mod bench;
 mod certificate;
 mod check;
 mod compare;
@@ -57,6 +58,7 @@ enum Command {
     Submit(submit::Args),
     Photons(photons::Args),
     Crosscheck(crosscheck::Args),
+    Bench(bench::Args),
     Check(check::Args),
     Compare(compare::Args),
     Study(study::Args),
@@ -74,6 +76,7 @@ pub fn run() -> ExitCode {
         Command::Merge(args) => merge::run(&args, verbosity),
         Command::Submit(args) => submit::run(&args, verbosity),
         Command::Crosscheck(args) => crosscheck::run(&args, verbosity),
+        Command::Bench(args) => bench::run(&args, verbosity),
         Command::Photons(args) => photons::run(&args, verbosity),
         Command::Check(args) => check::run(&args, verbosity),
         Command::Compare(args) => compare::run(&args),

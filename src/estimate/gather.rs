@@ -5,6 +5,7 @@
 //! picture can show and no sharper. The same Q makes the shape and the normalisation, so no energy is lost.
 
 use std::ops::ControlFlow;
+use std::sync::atomic::Ordering;
 
 use super::pair;
 use super::receivers::Receivers;
@@ -95,6 +96,7 @@ fn splat_all(map: &PhotonMap, kernel: KernelShape, points: &[&GatherPoint]) -> V
             processor.dispatch(Splatting { splat: Splat::new(&photons[j], kernel), receivers: &mut receivers });
         }
     }
+    map.weighed.fetch_add(receivers.weighed, Ordering::Relaxed);
     receivers.gathered()
 }
 
@@ -105,6 +107,7 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &Gath
         kernel: KernelShape,
         point: &'a GatherPoint,
         place: OuterBox,
+        weighed: u64,
         sum: Gathered,
     }
     impl Visitor for LookUp<'_> {
@@ -112,6 +115,7 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &Gath
             boxes.overlapping(&self.place)
         }
         fn visit(&mut self, j: usize) -> ControlFlow<()> {
+            self.weighed += 1;
             let photon = &self.photons[j];
             let weight = pair::weight(photon, self.kernel, self.point);
             if weight > 0.0 {
@@ -122,8 +126,9 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &Gath
         }
     }
     let (photons, sum) = (map.photons_of(stratum), Gathered::default());
-    let mut look_up = LookUp { photons, kernel, point, place: point.outer_box(), sum };
+    let mut look_up = LookUp { photons, kernel, point, place: point.outer_box(), weighed: 0, sum };
     stratum.tree.lead(&mut look_up);
+    map.weighed.fetch_add(look_up.weighed, Ordering::Relaxed);
     look_up.sum
 }
 

@@ -21,6 +21,8 @@ pub struct Receivers<'a> {
     order: Vec<u32>,
     pub blocks: Vec<Block>,
     pub sums: Vec<Sums>,
+    /// Pairs of a photon and a point so far.
+    pub weighed: u64,
     pub tree: BoxTree,
 }
 
@@ -69,6 +71,7 @@ impl<'a> Receivers<'a> {
         Receivers {
             blocks: lanes.iter().map(block).collect(),
             sums: vec![Sums::default(); lanes.len()],
+            weighed: 0,
             tree: BoxTree::build(lanes.len(), |b| boxed(lanes[b])),
             order,
             points,

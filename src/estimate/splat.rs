@@ -7,6 +7,7 @@
 //!
 //! are sums of squares: nothing cancels, so that single precision is enough for the thinnest footprint. Numbers are in
 //! units of the longer axis, and no sum is contracted: every processor gives the same bits.
+#![expect(clippy::needless_range_loop, reason = "one loop over the lanes of several arrays compiles to vectors")]
 
 use std::ops::ControlFlow;
 
@@ -196,8 +197,8 @@ impl NullaryFnOnce for Splatting<'_, '_> {
     #[inline(always)]
     fn call(self) {
         let Splatting { splat, receivers } = self;
-        let Receivers { tree, blocks, sums, .. } = receivers;
-        let mut over = OverBlocks { splat: &splat, blocks, sums, uneven: Vec::new() };
+        let Receivers { tree, blocks, sums, weighed, .. } = receivers;
+        let mut over = OverBlocks { splat: &splat, blocks, sums, weighed, uneven: Vec::new() };
         tree.lead(&mut over);
         for (b, weights) in over.uneven {
             splat.add_uneven(&weights, receivers, b);
@@ -210,6 +211,7 @@ struct OverBlocks<'a> {
     splat: &'a Splat<'a>,
     blocks: &'a [Block],
     sums: &'a mut [Sums],
+    weighed: &'a mut u64,
     /// Blocks with BSDFs that have to be asked.
     uneven: Vec<(usize, Eight)>,
 }
@@ -221,6 +223,7 @@ impl Visitor for OverBlocks<'_> {
     }
     #[inline(always)]
     fn visit(&mut self, b: usize) -> ControlFlow<()> {
+        *self.weighed += WIDTH as u64;
         if let Some(weights) = self.splat.weights(&self.blocks[b]) {
             self.splat.add(&weights, &self.blocks[b], &mut self.sums[b]);
             if self.blocks[b].uneven.any() {

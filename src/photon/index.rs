@@ -3,6 +3,7 @@
 //! The boxes come in an order in which neighbours are near each other ([`super::order`]); node k of a level holds the
 //! boxes of the eight nodes 8k … 8k + 7 below it, so that there is nothing to store but boxes: 27 bytes for each. Boxes
 //! are tested eight at once.
+#![expect(clippy::needless_range_loop, reason = "one loop over the lanes of several arrays compiles to vectors")]
 
 use std::array;
 use std::ops::ControlFlow;

@@ -1,6 +1,7 @@
 //! All photons of a pass.
 
 use std::ops::Range;
+use std::sync::atomic::AtomicU64;
 
 use rayon::prelude::*;
 
@@ -30,6 +31,8 @@ pub struct PhotonMap {
     /// What became of each light's photons, in the order of the scene's lights.
     pub by_light: Vec<PhotonCounts>,
     strata: Vec<Stratum>,
+    /// Pairs of a photon and a point that the estimate has weighed so far: what the work was.
+    pub weighed: AtomicU64,
 }
 
 /// Some of the photons, spread over all.
@@ -79,7 +82,7 @@ impl PhotonHarvest {
             Stratum { photons: range, tree: BoxTree::build(own.len(), |i| footprint_box(&own[i])) }
         };
         let strata = ends.windows(2).map(|w| stratum(w[0]..w[1])).collect();
-        PhotonMap { photons, counts, by_light, strata }
+        PhotonMap { photons, counts, by_light, strata, weighed: AtomicU64::new(0) }
     }
 }
 
@@ -92,6 +95,12 @@ impl PhotonMap {
     /// Trees over the footprints, none of which is in two.
     pub fn strata(&self) -> &[Stratum] {
         &self.strata
+    }
+
+    /// Bytes of photons and trees.
+    pub fn bytes(&self) -> usize {
+        let trees: usize = self.strata.iter().map(|stratum| stratum.tree.bytes()).sum();
+        trees + size_of_val(self.photons.as_slice())
     }
 
     /// What a stratum's tree counts from 0 on.

@@ -3,6 +3,7 @@
 //! A render is a set of numbered passes. Pass i is a pure function of (scene, settings, i); the film is their mean. Its
 //! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
+pub mod bench;
 pub mod budget;
 pub mod crosscheck;
 pub mod exposure;

@@ -51,10 +51,12 @@ pub fn plan(world: &World) -> Vec<EmissionPlan> {
     lights.filter(|&(_, n)| n > 0).map(plan).collect()
 }
 
-/// Where on its emission map a light that is due `n` photons is of use.
+/// Where on its emission map a light that is due `n` photons is of use. Only footprints can do with photons of unequal
+/// light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
 fn learn(world: &World, light: LightId, aim: &Aim, n: u64) -> Found {
     let (settings, source) = (&world.scene.settings, world.lights.get(light));
-    let Some(side) = guide::cells_for(n).filter(|_| settings.guiding == Guiding::On) else { return Found::Everywhere };
+    let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials;
+    let Some(side) = guide::cells_for(n).filter(|_| guided) else { return Found::Everywhere };
     let row = |row: usize| {
         let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
         guide::hits(source, light, aim, (row, side), &mut tracer)
@@ -72,18 +74,29 @@ pub fn shoot(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<PhotonMap, Stopped> {
-    let Some(aim) = &world.aim else { return Ok(PhotonMap::empty(world.lights.len())) };
+    Ok(harvest(world, plans, pass, watch, between)?.into_map())
+}
+
+/// emit → trace: what [`shoot`] makes a map of.
+pub fn harvest(
+    world: &World,
+    plans: &[EmissionPlan],
+    pass: u32,
+    watch: &dyn Watch,
+    between: impl Fn(),
+) -> Result<PhotonHarvest, Stopped> {
+    let mut harvest = PhotonHarvest::new(world.lights.len());
+    let Some(aim) = &world.aim else { return Ok(harvest) };
     let units = units(world, plans, aim, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, aim, &units[i], spread);
-    let mut harvest = PhotonHarvest::new(world.lights.len());
     run_units(&scattered(units.len()), watch, trace, |_, (light, photons, counts)| {
         harvest.add(light, photons, &counts);
         between();
     })?;
     watch.finish();
-    Ok(harvest.into_map())
+    Ok(harvest)
 }
 
 fn units(world: &World, plans: &[EmissionPlan], aim: &Aim, pass: u32) -> Vec<EmissionUnit> {

@@ -6,9 +6,22 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 
-use rayon::ThreadPoolBuildError;
+pub use rayon::ThreadPoolBuildError as NoThread;
 
 use super::watch::{Stopped, Watch};
+
+/// The program's threads.
+pub fn threads() -> usize {
+    rayon::current_num_threads()
+}
+
+/// Runs `work` on one thread, whatever the program's number is.
+///
+/// # Errors
+/// The system gives no thread.
+pub fn on_one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T, NoThread> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(work))
+}
 
 /// Results that may wait for their turn, for each thread; bounds memory, not results.
 const WAITING: usize = 4;
@@ -18,7 +31,7 @@ const WAITING: usize = 4;
 ///
 /// # Errors
 /// The system gives no threads, or they were started before.
-pub fn start_threads(wanted: usize) -> Result<usize, ThreadPoolBuildError> {
+pub fn start_threads(wanted: usize) -> Result<usize, NoThread> {
     rayon::ThreadPoolBuilder::new().num_threads(wanted).build_global()?;
     Ok(rayon::current_num_threads())
 }

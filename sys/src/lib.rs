@@ -57,11 +57,13 @@ mod mesh;
 mod query;
 #[doc(hidden)]
 pub mod raw;
+mod replay;
 mod scene;
 mod user;
 
 pub use device::{Device, HEADER_VERSION, Version, version};
 pub use error::{DeviceError, ErrorCode, InvalidRay, SceneError};
 pub use query::{Hit, MAX_DIRECTION, MIN_DIRECTION, Ray};
+pub use replay::Query;
 pub use scene::{CommittedScene, MAX_COORDINATE, MAX_GEOMETRY_ID, SceneBuilder};
 pub use user::{UserGeometry, UserHit, UserRay};

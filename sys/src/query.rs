@@ -5,6 +5,7 @@
 
 use crate::error::InvalidRay;
 use crate::raw;
+use crate::replay::Query;
 use crate::scene::{CommittedScene, MAX_COORDINATE};
 use crate::user::widened;
 
@@ -69,6 +70,22 @@ impl Ray {
         Ok(())
     }
 
+    /// Whether it can be traced and is not empty.
+    pub(crate) fn can_hit(&self) -> bool {
+        self.validate().is_ok() && !self.is_empty()
+    }
+
+    /// What the library is given for a query.
+    pub(crate) fn laid_out(&self, query: Query) -> (raw::PdeRayHit, raw::PdeRecord) {
+        let t_far = match query {
+            // Widened for the culling of user geometries; a triangle in the slack is refused afterwards.
+            Query::Intersect => widened(self.t_far),
+            // Any triangle ends the query, so its end is exact: no f32 lies between the rounded and the f64 end.
+            Query::Occluded => rounded_down(self.t_far),
+        };
+        (self.to_f32(t_far), self.to_record())
+    }
+
     fn is_empty(&self) -> bool {
         self.t_near > self.t_far
     }
@@ -119,9 +136,7 @@ impl CommittedScene {
         if ray.is_empty() {
             return Ok(None);
         }
-        // The end is widened for the culling of user geometries; a triangle in the slack is refused below.
-        let mut rayhit = ray.to_f32(widened(ray.t_far));
-        let mut record = ray.to_record();
+        let (mut rayhit, mut record) = ray.laid_out(Query::Intersect);
         // SAFETY: the scene is committed and alive. `rayhit` has the largest layout of all Embree versions and its
         // alignment. The ray is finite and bounded. `record` outlives the call, and only callbacks of this call use it.
         unsafe { raw::pde_intersect1(self.raw(), &raw mut rayhit, &raw mut record) };
@@ -137,9 +152,7 @@ impl CommittedScene {
         if ray.is_empty() {
             return Ok(false);
         }
-        // Any triangle ends the query, so its end is exact: no f32 lies between the rounded and the f64 end.
-        let mut rayhit = ray.to_f32(rounded_down(ray.t_far));
-        let mut record = ray.to_record();
+        let (mut rayhit, mut record) = ray.laid_out(Query::Occluded);
         // SAFETY: as in `intersect`; an occlusion query touches only the ray part.
         unsafe { raw::pde_occluded1(self.raw(), &raw mut rayhit, &raw mut record) };
         Ok(rayhit.t_far == f32::NEG_INFINITY)

@@ -362,6 +362,31 @@ fn crosscheck_finds_the_backends_in_agreement() {
     assert!(code == 0 && out.contains("20000 rays disagree"), "{out}");
 }
 
+/// Every phase is timed, the rays of those that trace are counted and replayed, and photons are those of the render.
+#[test]
+fn bench_measures_every_phase() {
+    let folder = scenes();
+    let (code, out, err) = run(&["bench", "scene.toml", "--json", "-t", "2"], folder.path());
+    assert_eq!((code, err.as_str()), (0, ""));
+    let json: Value = serde_json::from_str(&out).expect("JSON");
+    let phases = json["phases"].as_array().expect("phases");
+    let names: Vec<&str> = phases.iter().filter_map(|phase| phase["name"].as_str()).collect();
+    assert_eq!(names, ["pilots", "photons", "map", "eye paths", "estimate"]);
+    for phase in [&phases[1], &phases[3]] {
+        assert!(phase["rays"][0].as_u64() > Some(1000), "{phase}");
+        assert!(phase["bare_seconds"].as_f64() > Some(0.0) && phase["seconds"][1].as_f64() > Some(0.0), "{phase}");
+    }
+    assert!(json["kernel_evaluations"].as_u64() > Some(0));
+    assert!(json["bytes_per_photon"].as_f64().is_some_and(|bytes| (64.0..96.0).contains(&bytes)), "{out}");
+    let rendered =
+        run(&["render", "scene.toml", "-o", "x.exr", "--passes", "1", "--stats", "x.json", "-q"], folder.path());
+    assert_eq!(rendered.0, 0, "{}", rendered.2);
+    let stats = std::fs::read(folder.path().join("x.json")).expect("the stats");
+    let stats: Value = serde_json::from_slice(&stats).expect("JSON");
+    assert_eq!(json["photons_stored"], stats["photons_stored"]);
+    assert!(run(&["bench", "scene.toml"], folder.path()).1.contains("kernel evaluations"));
+}
+
 #[test]
 fn info_describes_a_scene_with_the_settings_in_force() {
     let folder = scenes();

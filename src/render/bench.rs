@@ -1,0 +1,168 @@
+//! How fast the phases of a pass are, on one thread and on all, and how fast the ray library alone is on the same rays.
+
+use std::cell::OnceCell;
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::eye_path::EyeFinds;
+use super::progress::Silent;
+use super::unit::{NoThread, on_one_thread, threads};
+use super::watch::{Stopped, Unattended};
+use super::{BadCamera, Job, RenderState, exposure, photon_map};
+use crate::backend::{self, Backend, Query, Recorded, RecordingBackend};
+use crate::camera::Camera;
+use crate::estimate::Estimate;
+use crate::film::PixelBounds;
+use crate::photon::PhotonHarvest;
+use crate::scene::Scene;
+use crate::world::{World, WorldError};
+
+/// Rays of each kind that a phase is replayed with at most; more are counted, and cost in proportion.
+const KEPT_RAYS: usize = 4_000_000;
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum BenchError {
+    #[error(transparent)]
+    World(#[from] WorldError),
+    #[error(transparent)]
+    Camera(#[from] BadCamera),
+    #[error("cannot start a thread: {0}")]
+    Thread(#[from] NoThread),
+}
+
+/// One phase of a pass.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Phase {
+    pub name: &'static str,
+    /// On one thread and on all.
+    pub seconds: [f64; 2],
+    /// Queries for a first hit and for occlusion.
+    pub rays: [u64; 2],
+    /// What the ray library alone takes for them on one thread.
+    pub bare_seconds: f64,
+}
+
+/// A pass of a scene, measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    pub backend: String,
+    pub threads: usize,
+    /// In the order they are run in; `estimate` is what the picture takes with the photon map longer than without.
+    pub phases: Vec<Phase>,
+    pub photons_emitted: u64,
+    pub photons_stored: u64,
+    /// Photons and the trees over them.
+    pub bytes_per_photon: f64,
+    /// Pairs of a photon and a point that were weighed.
+    pub kernel_evaluations: u64,
+}
+
+impl Phase {
+    /// How many times longer it takes than its rays alone, on one thread; `None` without rays.
+    pub fn over_bare(&self) -> Option<f64> {
+        (self.bare_seconds > 0.0).then(|| self.seconds[0] / self.bare_seconds)
+    }
+    pub fn speed_up(&self) -> f64 {
+        self.seconds[0] / self.seconds[1]
+    }
+}
+
+const PHASES: [&str; 5] = ["pilots", "photons", "map", "eye paths", "estimate"];
+
+/// Runs pass 0 of `scene` on one thread, on all, and once more while its rays are recorded; then the rays alone.
+pub fn measure(scene: Scene) -> Result<Measured, BenchError> {
+    let threads = threads();
+    let mut world = World::new(scene)?;
+    let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
+    let one = on_one_thread(|| Run::of(&world, &camera, |_| ()))?;
+    let all = Run::of(&world, &camera, |_| ());
+    let inner = backend::build(world.scene.settings.backend, &world.scene).map_err(WorldError::Backend)?;
+    let (recording, recorded) = RecordingBackend::new(inner, KEPT_RAYS);
+    let bare = std::mem::replace(&mut world.backend, Box::new(recording));
+    let mut alone = [([0; 2], 0.0); PHASES.len()];
+    on_one_thread(|| {
+        Run::of(&world, &camera, |phase| {
+            let rays = recorded.lock().unwrap_or_else(PoisonError::into_inner).take();
+            // The picture is taken twice, with and without photons; its rays are the same.
+            if PHASES[phase] != "estimate" {
+                alone[phase] = (rays.counts(), time_alone(bare.as_ref(), &rays));
+            }
+        })
+    })?;
+    let phase = |i: usize| {
+        let (rays, bare_seconds) = alone[i];
+        Phase { name: PHASES[i], seconds: [one.seconds[i], all.seconds[i]], rays, bare_seconds }
+    };
+    Ok(Measured {
+        backend: bare.describe(),
+        threads,
+        phases: (0..PHASES.len()).map(phase).collect(),
+        photons_emitted: one.photons_emitted,
+        photons_stored: one.photons_stored,
+        bytes_per_photon: one.bytes_per_photon,
+        kernel_evaluations: one.weighed,
+    })
+}
+
+/// Seconds that the library takes for all the rays, of which some were kept.
+fn time_alone(bare: &dyn Backend, rays: &Recorded) -> f64 {
+    let of = |query| {
+        let (count, kept) = rays.of(query);
+        if kept.is_empty() { 0.0 } else { bare.time(query, kept).as_secs_f64() * count as f64 / kept.len() as f64 }
+    };
+    of(Query::Intersect) + of(Query::Occluded)
+}
+
+/// A pass: seconds of each phase, and what became of the photons.
+struct Run {
+    seconds: [f64; PHASES.len()],
+    photons_emitted: u64,
+    photons_stored: u64,
+    bytes_per_photon: f64,
+    weighed: u64,
+}
+
+impl Run {
+    /// Calls `after` with the number of each phase that has ended.
+    fn of(world: &World, camera: &Camera, mut after: impl FnMut(usize)) -> Run {
+        let mut seconds = [0.0; PHASES.len()];
+        let mut start = Instant::now();
+        let mut end = |phase: usize| {
+            seconds[phase] = start.elapsed().as_secs_f64();
+            after(phase);
+            start = Instant::now();
+        };
+        let plans = photon_map::plan(world);
+        end(0);
+        let unattended = Unattended(&Silent);
+        let lights = world.lights.len();
+        let harvest = photon_map::harvest(world, &plans, 0, &unattended, || ())
+            .unwrap_or_else(|Stopped| PhotonHarvest::new(lights));
+        end(1);
+        let map = harvest.into_map();
+        end(2);
+        let expose = |estimate: Option<&Estimate>| {
+            let job = Job { world, camera: camera.clone(), watch: &unattended, plans: OnceCell::new() };
+            let whole = PixelBounds::whole(world.scene.camera.resolution);
+            let mut state = RenderState::new(world, whole, 0);
+            // Nobody stops it.
+            let _ = exposure::expose(&job, EyeFinds::AllButCaustics, estimate, &mut state);
+        };
+        expose(None);
+        end(3);
+        expose(Some(&Estimate::new(&map, &world.scene.settings, 0)));
+        end(4);
+        seconds[4] = (seconds[4] - seconds[3]).max(0.0);
+        Run {
+            seconds,
+            photons_emitted: map.counts.photons_emitted,
+            photons_stored: map.counts.photons_stored,
+            bytes_per_photon: map.bytes() as f64 / map.photons.len().max(1) as f64,
+            weighed: map.weighed.load(Ordering::Relaxed),
+        }
+    }
+}
