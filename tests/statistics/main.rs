@@ -5,6 +5,7 @@ mod support;
 
 mod agreement;
 mod convergence;
+mod guiding;
 mod light_emission;
 mod light_samples;
 mod lights;
