@@ -106,7 +106,8 @@ impl Block {
             array::from_fn(|k| lanes(&|point| vector(point)[k], absent))
         };
         let side = |point: &GatherPoint, n: Normal3| 1.0f64.copysign(n.dot(point.wo));
-        let even = |point: &GatherPoint| point.bsdf.even_value(point.wo);
+        let even: Vec<Option<Spectrum>> = points.iter().map(|point| point.bsdf.even_value(point.wo)).collect();
+        let value = |lane: usize| even.get(lane).copied().flatten().unwrap_or(Spectrum::BLACK).to_array();
         Block {
             origin,
             p: vectors(&|point| point.p - origin, NOWHERE),
@@ -115,8 +116,8 @@ impl Block {
             ns: vectors(&|point| point.ns * side(point, point.ns), 0.0),
             eye: array::from_fn(|k| vectors(&|point| point.eye[k], 0.0)),
             widest_eye: lanes(&|point| point.eye.iter().map(|axis| axis.length_squared()).sum(), 0.0),
-            f: array::from_fn(|k| lanes(&|point| even(point).map_or(0.0, |f| f.to_array()[k]), 0.0)),
-            uneven: Lanes::from(array::from_fn(|lane| points.get(lane).is_some_and(|point| even(point).is_none()))),
+            f: array::from_fn(|k| array::from_fn(|lane| value(lane)[k] as f32)),
+            uneven: Lanes::from(array::from_fn(|lane| even.get(lane).is_some_and(Option::is_none))),
         }
     }
 }

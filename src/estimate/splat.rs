@@ -46,6 +46,8 @@ pub struct Splat<'a> {
     flux: [f32; 3],
     /// How far over the photon's plane its light reaches, m.
     thickness: f32,
+    /// What limits |d_x|, |d_y| and the height for boxes that may be reached.
+    limits: [f32; 3],
 }
 
 impl<'a> Splat<'a> {
@@ -56,6 +58,8 @@ impl<'a> Splat<'a> {
         let unit = major.max(SMALLEST_UNIT_SQUARED).sqrt();
         let scaled = axes.map(|axis| axis / unit);
         let narrow = |v: Vec3| v.as_vec3().to_array();
+        let square = [major, minor].map(|square| (square / (unit * unit)) as f32);
+        let thickness = photon.thickness() as f32;
         Splat {
             photon,
             kernel,
@@ -63,12 +67,14 @@ impl<'a> Splat<'a> {
             n: narrow(frame.n),
             axes: scaled.map(narrow),
             plane: scaled.map(|axis| narrow(axis - frame.n * axis.dot(slide))),
-            square: [major, minor].map(|square| (square / (unit * unit)) as f32),
+            square,
             per_area: (1.0 / (unit * unit)) as f32,
             slide: narrow(slide),
             wi: narrow(photon.wi()),
             flux: photon.flux().0.to_array().map(|c| c as f32),
-            thickness: photon.thickness() as f32,
+            thickness,
+            // Boxes hold the eye's footprints: an axis of the sum of both is not longer than the sum of their axes.
+            limits: [square[0].sqrt(), square[1].sqrt(), thickness].map(|limit| limit * (1.0 + MARGIN)),
         }
     }
 
@@ -77,8 +83,6 @@ impl<'a> Splat<'a> {
     fn may_reach(&self, boxes: &Boxes) -> Lanes {
         let position = self.position.as_vec3().to_array();
         let rows = [self.plane[0], self.plane[1], self.n];
-        // Boxes hold the eye's footprints: an axis of the sum of both is not longer than the sum of their axes.
-        let limits = [self.square[0].sqrt(), self.square[1].sqrt(), self.thickness].map(|limit| limit * (1.0 + MARGIN));
         let mut reached = [false; WIDTH];
         for i in 0..WIDTH {
             let (mut centre, mut half) = ([0.0f32; 3], [0.0f32; 3]);
@@ -88,9 +92,8 @@ impl<'a> Splat<'a> {
                 half[k] = 0.5 * (boxes.hi[k][i] - boxes.lo[k][i]) + centre[k].abs() * (4.0 * f32::EPSILON);
             }
             let mut inside = true;
-            for (row, limit) in rows.iter().zip(limits) {
-                let middle = row[0] * centre[0] + row[1] * centre[1] + row[2] * centre[2];
-                let extent = row[0].abs() * half[0] + row[1].abs() * half[1] + row[2].abs() * half[2];
+            for (row, limit) in rows.iter().zip(self.limits) {
+                let (middle, extent) = (dot(row, &centre), dot(&row.map(f32::abs), &half));
                 // An empty box gives NaN or −∞, which are not below anything.
                 inside &= middle.abs() <= limit + extent;
             }
