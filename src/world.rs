@@ -3,11 +3,13 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::backend::{self, Backend, BackendError};
+use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
-use crate::math::{Bounds3, Dir3, Ray, Vec2};
+use crate::math::{Bounds3, Dir3, Ray};
 use crate::scene::{Object, Scene};
+use crate::shape::Parametrisation;
 use crate::surface::bsdf::can_have_delta;
-use crate::surface::{Bsdf, Interaction, Textures};
+use crate::surface::{Bsdf, Interaction, Lookup, Textures};
 
 /// Why a scene cannot be traced.
 #[derive(Debug, thiserror::Error)]
@@ -54,14 +56,20 @@ impl World {
         self.inexact.load(Ordering::Relaxed)
     }
 
-    /// The BSDF with textures filtered over the parallelogram `duv`.
-    pub fn bsdf(&self, si: &Interaction, duv: [Vec2; 2]) -> Bsdf {
-        Bsdf::new(&self.scene.materials[si.material.index()], &self.textures, si, duv)
+    /// The BSDF with textures filtered over the footprint of a camera ray's columns, transferred to the surface.
+    pub fn bsdf(&self, si: &Interaction, columns: &Differential<2>) -> Bsdf {
+        self.bsdf_with(si, |at| Lookup::filtered(at, columns))
     }
 
     /// The BSDF with textures read at a point.
     pub fn bsdf_unfiltered(&self, si: &Interaction) -> Bsdf {
-        self.bsdf(si, [Vec2::ZERO; 2])
+        self.bsdf_with(si, Lookup::point)
+    }
+
+    fn bsdf_with(&self, si: &Interaction, lookup: impl FnOnce(&Parametrisation) -> Lookup) -> Bsdf {
+        let material = &self.scene.materials[si.material.index()];
+        let lookup = if material.has_image() { lookup(&si.parametrisation(&self.scene)) } else { Lookup::default() };
+        Bsdf::new(material, &self.textures, si, &lookup)
     }
 
     /// The ray from the point to what lies `distance` along `wi`; an infinite distance, the environment's, stays infinite.

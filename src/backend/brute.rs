@@ -37,8 +37,8 @@ impl Backend for BruteBackend {
                     offer_all(&self.geometry.shared[*mesh], object, &own, &mut nearest);
                 }
                 Item::Shape(placed) => {
-                    if let Some((t, uv)) = placed.intersect(&Ray { t_max: nearest.end, ..*ray }) {
-                        nearest.offer(RawHit { t, object, primitive: 0, uv });
+                    if let Some(t) = placed.intersect(&Ray { t_max: nearest.end, ..*ray }) {
+                        nearest.offer(RawHit { t, object, primitive: 0, uv: [0.0; 2] });
                     }
                 }
             }

@@ -140,6 +140,6 @@ impl UserGeometry for UserShape {
             t_min: ray.t_near.next_down(),
             t_max: ray.t_far.next_up(),
         };
-        self.0.intersect(&ray).map(|(t, [u, v])| UserHit { t, u, v })
+        self.0.intersect(&ray).map(|t| UserHit { t, u: 0.0, v: 0.0 })
     }
 }

@@ -48,14 +48,13 @@ impl PlacedShape {
     pub fn bounds(&self) -> Bounds3 {
         self.shape.bounds().transformed(&self.to_world)
     }
-    /// (t, uv) of the first hit of a world ray with t in (t_min, t_max).
+    /// t of the first hit of a world ray in (t_min, t_max).
     ///
     /// Some shapes clip their search to the interval, and the last bits of t follow the clip; so the end is applied
     /// afterwards, and every backend gets the same bits in whatever order it shortens its ray.
-    pub fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         let unended = Ray { t_max: f64::INFINITY, ..to_object(&self.to_world, ray) };
-        let hit = self.shape.intersect(&unended)?;
-        (hit.t > ray.t_min && hit.t < ray.t_max).then(|| (hit.t, hit.uv.to_array()))
+        self.shape.intersect(&unended).filter(|&t| t > ray.t_min && t < ray.t_max)
     }
 }
 

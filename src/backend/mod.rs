@@ -29,12 +29,12 @@ use crate::scene::{ObjectId, Scene};
 /// What a ray library knows of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawHit {
-    /// Along the ray, in units of its direction.
+    /// Along the ray, in units of its direction; for an exact shape all of an `f64`, the same in every backend.
     pub t: f64,
     pub object: ObjectId,
     /// Triangle of a mesh; 0 for an exact shape.
     pub primitive: u32,
-    /// Barycentric (u, v) of a triangle, p = (1−u−v) p0 + u p1 + v p2; the shape's own (u, v) for an exact shape.
+    /// Barycentric (u, v) of a triangle, p = (1−u−v) p0 + u p1 + v p2; zero for an exact shape.
     pub uv: [f64; 2],
 }
 

@@ -80,8 +80,8 @@ impl ObvhsBackend {
                     self.search_instance(*mesh, object, &own, any, &mut nearest);
                 }
                 Item::Shape(placed) => {
-                    if let Some((t, uv)) = placed.intersect(&Ray { t_max: nearest.end, ..*ray }) {
-                        nearest.offer(RawHit { t, object, primitive, uv });
+                    if let Some(t) = placed.intersect(&Ray { t_max: nearest.end, ..*ray }) {
+                        nearest.offer(RawHit { t, object, primitive, uv: [0.0; 2] });
                     }
                 }
             }

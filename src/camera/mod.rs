@@ -92,11 +92,7 @@ impl Camera {
         let w = towards / length;
         let unit = |c: Column| Column { dx: c.dx, dw: (c.dw - w * w.dot(c.dw)) / length };
         let direction = Dir3::from_unit(w);
-        CameraRay {
-            ray: Ray::new(origin, direction),
-            direction,
-            differential: Differential { columns: columns.map(unit) },
-        }
+        CameraRay { ray: Ray::new(origin, direction), direction, differential: Differential::new(columns.map(unit)) }
     }
 
     /// How the camera sees `p` from the point `lens` of the unit disc, or `None` if it lies behind. The caller tests
@@ -189,7 +185,7 @@ mod tests {
                 let (a, b) = (camera.ray(raster - step * h, lens), camera.ray(raster + step * h, lens));
                 let dx = (b.ray.origin - a.ray.origin) / (2.0 * h);
                 let dw = (b.direction.to_vec() - a.direction.to_vec()) / (2.0 * h);
-                let column = ray.differential.columns[k];
+                let column = ray.differential.column(k);
                 assert!((column.dx - dx).length() < 1e-9 && (column.dw - dw).length() < 1e-9);
             }
         }

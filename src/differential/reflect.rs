@@ -1,6 +1,7 @@
 //! Mirror reflection · [Igehy99 (14), (15)].
 
-use super::state::{Column, Differential, ShapeOperator};
+use super::lanes::Vectors;
+use super::state::{Differential, ShapeOperator};
 use crate::math::{Dir3, Normal3, Vec3};
 
 /// Reflects the ray direction `w` (towards the surface) and its columns about the normal `n`, whose shape operator
@@ -13,12 +14,10 @@ pub fn reflect<const N: usize>(
 ) -> (Dir3, Differential<N>) {
     let cos = w.dot(n);
     let reflected = Dir3::from_unit(renormalised(w.to_vec() - n * (2.0 * cos)));
-    let columns = d.map(|c| {
-        let dn = shape.apply(c.dx);
-        let dcos = n.dot(c.dw) + w.dot(dn);
-        Column { dx: c.dx, dw: c.dw - 2.0 * (cos * dn + dcos * n.to_vec()) }
-    });
-    (reflected, columns)
+    let dn = shape.apply_each(&d.dx);
+    let dcos = d.dw.dot(n.to_vec()) + dn.dot(w.to_vec());
+    let dw = d.dw - (dn * cos + Vectors::multiples(n.to_vec(), dcos)) * 2.0;
+    (reflected, Differential { dx: d.dx, dw })
 }
 
 /// Removes the last rounding error of a vector that is unit by construction.

@@ -1,7 +1,8 @@
 //! Refraction · [Igehy99 (16)–(19)], with the full derivative of the normal and of the index ratio.
 
+use super::lanes::Vectors;
 use super::reflect::{reflect, renormalised};
-use super::state::{Column, Differential, ShapeOperator};
+use super::state::{Differential, ShapeOperator};
 use crate::math::{Dir3, Normal3};
 
 /// The outcome of meeting an interface.
@@ -32,12 +33,10 @@ pub fn refract<const N: usize>(
     let root = k.sqrt();
     let m = eta * c - root;
     let transmitted = Dir3::from_unit(renormalised(w * eta + n * m));
-    let columns = d.map(|column| {
-        let dn = shape.apply(column.dx);
-        let dc = -(n.dot(column.dw) + w.dot(dn));
-        // dm/dk with constant η: η dc − η² c dc / √k
-        let dm = (eta - eta * eta * c / root) * dc;
-        Column { dx: column.dx, dw: eta * column.dw + m * dn + dm * n.to_vec() }
-    });
-    Refraction::Transmitted(transmitted, columns)
+    let dn = shape.apply_each(&d.dx);
+    let dcos = d.dw.dot(n.to_vec()) + dn.dot(w.to_vec());
+    // dm/dk with constant η: η dc − η² c dc / √k, and dc = −d cos.
+    let dm = dcos * (eta * eta * c / root - eta);
+    let dw = d.dw * eta + dn * m + Vectors::multiples(n.to_vec(), dm);
+    Refraction::Transmitted(transmitted, Differential { dx: d.dx, dw })
 }

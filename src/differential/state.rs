@@ -1,5 +1,6 @@
 //! Derivative columns of a ray · metres and radians per unit of the parameter · world frame · [Igehy99 (1)–(4)].
 
+use super::lanes::{Lanes, Vectors};
 use crate::math::Vec3;
 
 /// dN/dx of the shading normal that an event uses, as the columns of a 3×3 matrix, 1/m. Only tangent vectors may be
@@ -19,6 +20,10 @@ impl ShapeOperator {
     /// The change of the normal for a step `dx` on the surface.
     pub fn apply(&self, dx: Vec3) -> Vec3 {
         self.0 * dx
+    }
+    /// The same for every column.
+    pub fn apply_each<const N: usize>(&self, dx: &Vectors<N>) -> Vectors<N> {
+        dx.transformed(&self.0)
     }
     /// The operator of the opposite normal.
     pub fn flipped(&self) -> ShapeOperator {
@@ -44,33 +49,39 @@ impl Column {
     pub fn direction(dw: Vec3) -> Column {
         Column { dx: Vec3::ZERO, dw }
     }
-    pub fn scaled(self, s: f64) -> Column {
-        Column { dx: self.dx * s, dw: self.dw * s }
-    }
-    pub fn is_finite(&self) -> bool {
-        self.dx.is_finite() && self.dw.is_finite()
-    }
 }
 
 /// The columns of a ray: N = 4 for photons (u, v, θ, φ: where and whither it was emitted), N = 2 for camera rays
-/// (raster x, y).
+/// (raster x, y). Kept component by component: an event does the same to every column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Differential<const N: usize> {
-    pub columns: [Column; N],
+    /// ∂x/∂k.
+    pub dx: Vectors<N>,
+    /// ∂ω/∂k, perpendicular to ω.
+    pub dw: Vectors<N>,
 }
 
 impl<const N: usize> Differential<N> {
-    pub const ZERO: Differential<N> = Differential { columns: [Column::ZERO; N] };
+    pub const ZERO: Differential<N> = Differential { dx: Vectors::ZERO, dw: Vectors::ZERO };
 
-    /// Applies an event's rule to every column.
-    pub fn map(&self, rule: impl Fn(&Column) -> Column) -> Differential<N> {
-        Differential { columns: self.columns.each_ref().map(rule) }
+    pub fn new(columns: [Column; N]) -> Differential<N> {
+        Differential { dx: Vectors::new(columns.map(|c| c.dx)), dw: Vectors::new(columns.map(|c| c.dw)) }
+    }
+    pub fn column(&self, k: usize) -> Column {
+        Column { dx: self.dx.get(k), dw: self.dw.get(k) }
+    }
+    pub fn columns(&self) -> [Column; N] {
+        std::array::from_fn(|k| self.column(k))
     }
     /// Every column times `s`: a change of the cell's size.
     pub fn scaled(&self, s: f64) -> Differential<N> {
-        self.map(|c| c.scaled(s))
+        Differential { dx: self.dx * s, dw: self.dw * s }
+    }
+    /// Each column times its own number: a change of one side of the cell.
+    pub fn scaled_each(&self, s: [f64; N]) -> Differential<N> {
+        Differential { dx: self.dx.scaled_each(Lanes(s)), dw: self.dw.scaled_each(Lanes(s)) }
     }
     pub fn is_finite(&self) -> bool {
-        self.columns.iter().all(Column::is_finite)
+        self.dx.is_finite() && self.dw.is_finite()
     }
 }

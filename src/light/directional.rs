@@ -190,9 +190,7 @@ impl Light for DirectionalLight {
             flux: self.irradiance.through(area),
             pdf_a: Some(Pdf::new(1.0 / area)),
             pdf_w: None,
-            jacobian: Differential {
-                columns: [Column::position(dx_du), Column::position(dx_dv), Column::ZERO, Column::ZERO],
-            },
+            jacobian: Differential::new([Column::position(dx_du), Column::position(dx_dv), Column::ZERO, Column::ZERO]),
         })
     }
 

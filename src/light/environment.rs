@@ -45,7 +45,7 @@ impl Light for EnvironmentLight {
             flux: self.emitted_flux(aim),
             pdf_a: Some(Pdf::new(1.0 / (PI * aimed.radius * aimed.radius))),
             pdf_w: Some(UniformSphere.pdf(direction)),
-            jacobian: Differential { columns: [position[0], position[1], turning[0], turning[1]] },
+            jacobian: Differential::new([position[0], position[1], turning[0], turning[1]]),
         })
     }
 

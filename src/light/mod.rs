@@ -132,7 +132,7 @@ pub trait Light: Send + Sync + std::fmt::Debug {
 
 /// The Jacobian of a source without extent.
 fn direction_columns([dw_dtheta, dw_dphi]: [Vec3; 2]) -> Differential<4> {
-    Differential { columns: [Column::ZERO, Column::ZERO, Column::direction(dw_dtheta), Column::direction(dw_dphi)] }
+    Differential::new([Column::ZERO, Column::ZERO, Column::direction(dw_dtheta), Column::direction(dw_dphi)])
 }
 
 /// A sphere around all that can be lit.

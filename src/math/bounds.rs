@@ -55,6 +55,10 @@ impl Bounds3 {
     pub fn bounding_sphere(&self) -> (Point3, f64) {
         (self.centre(), 0.5 * self.diagonal().length())
     }
+    /// Largest |coordinate| of each axis.
+    pub fn farthest(&self) -> Point3 {
+        Point3::from_vec(self.min.abs().max(self.max.abs()))
+    }
     /// Largest |coordinate|, the scale of `f32` rounding inside the box.
     pub fn max_abs(&self) -> f64 {
         if self.is_empty() { 0.0 } else { self.min.abs().max(self.max.abs()).max_element() }

@@ -8,18 +8,29 @@ pub struct Transform {
     linear: glam::DMat3,
     translation: Vec3,
     inverse: glam::DMat3,
+    /// M is the identity. Most shapes stand where their numbers say, and rays ask for them more than for anything else.
+    only_moves: bool,
 }
 
 impl Transform {
-    pub const IDENTITY: Transform =
-        Transform { linear: glam::DMat3::IDENTITY, translation: Vec3::ZERO, inverse: glam::DMat3::IDENTITY };
+    pub const IDENTITY: Transform = Transform {
+        linear: glam::DMat3::IDENTITY,
+        translation: Vec3::ZERO,
+        inverse: glam::DMat3::IDENTITY,
+        only_moves: true,
+    };
+
+    fn of(linear: glam::DMat3, translation: Vec3, inverse: glam::DMat3) -> Transform {
+        let only_moves = linear == glam::DMat3::IDENTITY && inverse == glam::DMat3::IDENTITY;
+        Transform { linear, translation, inverse, only_moves }
+    }
 
     /// From the columns of M and the translation; `None` if M is singular or not finite.
     pub fn new(columns: [Vec3; 3], translation: Vec3) -> Option<Transform> {
         let linear = glam::DMat3::from_cols(columns[0], columns[1], columns[2]);
         let inverse = linear.inverse();
         let sound = linear.determinant() != 0.0 && inverse.is_finite() && linear.is_finite() && translation.is_finite();
-        sound.then_some(Transform { linear, translation, inverse })
+        sound.then_some(Transform::of(linear, translation, inverse))
     }
     pub fn translate(t: Vec3) -> Transform {
         Transform { translation: t, ..Transform::IDENTITY }
@@ -31,37 +42,45 @@ impl Transform {
     /// Right-handed rotation about `axis` by `radians`.
     pub fn rotate(axis: Dir3, radians: f64) -> Transform {
         let linear = glam::DMat3::from_axis_angle(axis.to_vec(), radians);
-        Transform { linear, translation: Vec3::ZERO, inverse: linear.transpose() }
+        Transform::of(linear, Vec3::ZERO, linear.transpose())
     }
     /// First `inner`, then `self`.
     pub fn compose(&self, inner: &Transform) -> Transform {
-        Transform {
-            linear: self.linear * inner.linear,
-            translation: self.linear * inner.translation + self.translation,
-            inverse: inner.inverse * self.inverse,
-        }
+        Transform::of(
+            self.linear * inner.linear,
+            self.linear * inner.translation + self.translation,
+            inner.inverse * self.inverse,
+        )
     }
     pub fn inverse(&self) -> Transform {
-        Transform { linear: self.inverse, translation: -(self.inverse * self.translation), inverse: self.linear }
+        Transform::of(self.inverse, -(self.inverse * self.translation), self.linear)
     }
     pub fn is_identity(&self) -> bool {
         *self == Transform::IDENTITY
+    }
+    /// Whether M is the identity.
+    pub fn only_moves(&self) -> bool {
+        self.only_moves
     }
     /// Whether the map turns right-handed frames into left-handed ones.
     pub fn flips_handedness(&self) -> bool {
         self.linear.determinant() < 0.0
     }
     pub fn point(&self, p: Point3) -> Point3 {
-        Point3::from_vec(self.linear * p.to_vec() + self.translation)
+        Point3::from_vec(self.vector(p.to_vec()) + self.translation)
     }
     pub fn vector(&self, v: Vec3) -> Vec3 {
-        self.linear * v
+        if self.only_moves { v } else { self.linear * v }
     }
     pub fn inverse_point(&self, p: Point3) -> Point3 {
-        Point3::from_vec(self.inverse * (p.to_vec() - self.translation))
+        Point3::from_vec(self.inverse_vector(p.to_vec() - self.translation))
     }
     pub fn inverse_vector(&self, v: Vec3) -> Vec3 {
-        self.inverse * v
+        if self.only_moves { v } else { self.inverse * v }
+    }
+    /// M⁻ᵀ A M⁻¹ of a bilinear form A.
+    pub fn form(&self, a: glam::DMat3) -> glam::DMat3 {
+        if self.only_moves { a } else { self.inverse.transpose() * a * self.inverse }
     }
     /// M⁻ᵀ n, not normalised.
     pub fn normal_unnormalised(&self, n: Vec3) -> Vec3 {

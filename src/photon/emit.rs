@@ -95,9 +95,8 @@ impl EmissionPoints {
     /// points that are kept with the probability `keep` each stands for 1/keep of them.
     pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
         emission.flux = emission.flux / (keep * self.lattice.len() as f64);
-        for (column, side) in emission.jacobian.columns.iter_mut().zip(self.cell) {
-            *column = column.scaled(FRAC_2_SQRT_PI * side / keep.sqrt());
-        }
+        let inscribed = FRAC_2_SQRT_PI / keep.sqrt();
+        emission.jacobian = emission.jacobian.scaled_each(self.cell.map(|side| inscribed * side));
         emission
     }
 }

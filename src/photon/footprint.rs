@@ -82,7 +82,7 @@ impl Spread {
 /// * Quadratic: Q = ¼ Σ_k P'_k P'_kᵀ over u, v, θ, φ: covariances of independent parameters add.
 /// * Parallelogram: the slides' (D_u + D_θ, D_v + D_φ), which depends on the bases' relative turn and can vanish.
 pub fn footprint(columns: &Differential<4>, rule: FootprintRule, scale: f64, frame: &Frame) -> TangentForm {
-    let [u, v, theta, phi] = columns.columns.map(|c| c.dx);
+    let [u, v, theta, phi] = columns.dx.to_array();
     let form = match rule {
         FootprintRule::Quadratic => TangentForm::from_axes(frame, [u, v, theta, phi]),
         FootprintRule::Parallelogram => TangentForm::from_axes(frame, [u + theta, v + phi]),
@@ -97,7 +97,7 @@ mod tests {
     use crate::math::Normal3;
 
     fn columns(dx: [Vec3; 4]) -> Differential<4> {
-        Differential { columns: dx.map(Column::position) }
+        Differential::new(dx.map(Column::position))
     }
 
     /// With one pair of columns both rules are the inscribed ellipse: π √det Q = (π/4)|D_u × D_v|.

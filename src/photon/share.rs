@@ -7,7 +7,7 @@
 //! B is the width of the whole source's image and D that of all its directions. Pilot photons measure B/D.
 
 use super::trace::PhotonTracer;
-use crate::differential::{Column, Differential};
+use crate::differential::Differential;
 use crate::light::{Aim, Emission, Light};
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::LightId;
@@ -93,13 +93,7 @@ impl Share {
 
 /// The Jacobian with the other columns zero.
 fn only(jacobian: &Differential<4>, kept: std::ops::Range<usize>) -> Differential<4> {
-    let mut result = *jacobian;
-    for (k, column) in result.columns.iter_mut().enumerate() {
-        if !kept.contains(&k) {
-            *column = Column::ZERO;
-        }
-    }
-    result
+    jacobian.scaled_each(std::array::from_fn(|k| if kept.contains(&k) { 1.0 } else { 0.0 }))
 }
 
 #[cfg(test)]

@@ -86,7 +86,7 @@ impl EyePathTracer<'_> {
             }
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
             self.add_emission(&walk, &si, &mut sample);
-            let bsdf = self.world.bsdf(&si, si.uv_derivatives(&walk.differential));
+            let bsdf = self.world.bsdf(&si, &walk.differential);
             if bsdf.has_scatter() && walk.bounces <= self.max_bounces {
                 if !seen_scatter {
                     sample.normal = si.ns.to_vec();
@@ -206,7 +206,7 @@ impl EyePathTracer<'_> {
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
-        let eye: [Vec3; 2] = walk.differential.columns.map(|c| c.dx * self.sample_radius);
+        let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
         let asks = if walk.bounces == 0 { Asks::All } else { Asks::Drawn(stream.uniform()) };
         let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
         Query { point, beta: walk.beta, first }

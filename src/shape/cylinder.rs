@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use super::error::{ShapeError, direction, finite_point, positive};
 use super::roots::{first_within, quadratic};
-use super::{AreaSample, LocalSurface, ShapeHit, outer};
+use super::{AreaSample, LocalSurface, Parametrisation, outer};
 use crate::differential::ShapeOperator;
-use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2};
+use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2, Vec3};
 
 /// The side of a circular cylinder, without caps; its normal points away from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Cylinder {
         (p - self.base).dot(self.frame.n)
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let o = self.frame.project(ray.origin - self.base);
         let d = self.frame.project(ray.direction);
         let a = d.length_squared();
@@ -55,14 +55,19 @@ impl Cylinder {
         let apart = (o - d * (b / a)).length();
         let disc = (self.radius - apart) * (self.radius + apart);
         let on_band = |t: f64| (0.0..=self.length).contains(&self.height(ray.at(t)));
-        let t = first_within(quadratic(a, b, c, disc)?, ray.t_min, ray.t_max, on_band)?;
-        Some(ShapeHit { t, uv: self.uv(ray.at(t)) })
+        first_within(quadratic(a, b, c, disc)?, ray.t_min, ray.t_max, on_band)
     }
 
     pub(super) fn bounds(&self) -> Bounds3 {
         let rim = super::disc_half_extent(self.frame.n, self.radius);
         let ends = [self.base, self.top()];
         Bounds3::from_points(ends.into_iter().flat_map(|p| [p - rim, p + rim]))
+    }
+
+    /// Unit vector from the axis to `p`.
+    fn outward(&self, p: Point3) -> Vec3 {
+        let across = self.frame.project(p - self.base);
+        self.frame.to_world(across.extend(0.0)).try_normalize().unwrap_or(self.frame.t)
     }
 
     fn uv(&self, p: Point3) -> Vec2 {
@@ -72,17 +77,21 @@ impl Cylinder {
 
     pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
         let axis = self.frame.n;
-        let across = self.frame.project(p - self.base);
-        let n = self.frame.to_world(across.extend(0.0)).try_normalize().unwrap_or(self.frame.t);
+        let n = self.outward(p);
         LocalSurface {
             p: self.base + axis * self.height(p) + n * self.radius,
             n: Normal3::from_unit(n),
-            uv: self.uv(p),
-            dpdu: 2.0 * PI * self.radius * axis.cross(n),
-            dpdv: axis * self.length,
             shape: ShapeOperator::from_matrix(
                 (glam::DMat3::IDENTITY - outer(axis, axis) - outer(n, n)) * (1.0 / self.radius),
             ),
+        }
+    }
+
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        Parametrisation {
+            uv: self.uv(p),
+            dpdu: 2.0 * PI * self.radius * self.frame.n.cross(self.outward(p)),
+            dpdv: self.frame.n * self.length,
         }
     }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::error::{ShapeError, direction, finite_point, positive};
-use super::{AreaSample, LocalSurface, ShapeHit, plane_hit};
+use super::{AreaSample, LocalSurface, Parametrisation, plane_hit};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2, Vec3};
 use crate::sampling::warp::{ConcentricDisk, Warp};
@@ -34,10 +34,10 @@ impl Disk {
         Normal3::from_unit(self.frame.n)
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let t = plane_hit(ray, self.centre, self.frame.n)?;
         let local = self.frame.project(ray.at(t) - self.centre);
-        (local.length_squared() <= self.radius * self.radius).then(|| ShapeHit { t, uv: self.uv(local) })
+        (local.length_squared() <= self.radius * self.radius).then_some(t)
     }
 
     pub(super) fn bounds(&self) -> Bounds3 {
@@ -45,19 +45,20 @@ impl Disk {
         Bounds3 { min: self.centre - rim, max: self.centre + rim }
     }
 
-    fn uv(&self, local: Vec2) -> Vec2 {
-        (local / self.radius + Vec2::ONE) * 0.5
-    }
-
     pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
         let local = self.frame.project(p - self.centre);
         LocalSurface {
             p: self.centre + self.frame.to_world(local.extend(0.0)),
             n: self.normal(),
-            uv: self.uv(local),
+            shape: ShapeOperator::FLAT,
+        }
+    }
+
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        Parametrisation {
+            uv: (self.frame.project(p - self.centre) / self.radius + Vec2::ONE) * 0.5,
             dpdu: self.frame.t * (2.0 * self.radius),
             dpdv: self.frame.b * (2.0 * self.radius),
-            shape: ShapeOperator::FLAT,
         }
     }
 

@@ -1,7 +1,7 @@
 //! The height field of sines · metres, own frame · (u, v) = (x/hx + 1, y/hy + 1)/2.
 
 use super::error::{ShapeError, direction, finite_point, positive};
-use super::{LocalSurface, ShapeHit};
+use super::{LocalSurface, Parametrisation};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2, Vec3};
 
@@ -91,13 +91,12 @@ impl HeightField {
         relief
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let origin = self.frame.to_local(ray.origin - self.centre);
         let direction = self.frame.to_local(ray.direction);
         let (near, far) = self.clip(origin, direction, ray.t_min, ray.t_max)?;
         let t = self.march(origin, direction, near, far, near == ray.t_min)?;
-        let uv = self.uv((origin + direction * t).truncate());
-        (t > ray.t_min && t < ray.t_max).then_some(ShapeHit { t, uv })
+        (t > ray.t_min && t < ray.t_max).then_some(t)
     }
 
     /// The part of [t_min, t_max] inside the box around the field.
@@ -178,10 +177,6 @@ impl HeightField {
         Bounds3 { min: self.centre - half, max: self.centre + half }
     }
 
-    fn uv(&self, at: Vec2) -> Vec2 {
-        (at / self.half_size + Vec2::ONE) * 0.5
-    }
-
     pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
         let at = self.frame.project(p - self.centre);
         let relief = self.relief(at);
@@ -199,10 +194,17 @@ impl HeightField {
         LocalSurface {
             p: self.centre + self.frame.to_world(at.extend(relief.z)),
             n: Normal3::from_unit(self.frame.to_world(n)),
-            uv: self.uv(at),
+            shape: ShapeOperator::from_matrix(axes * local * axes.transpose()),
+        }
+    }
+
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        let at = self.frame.project(p - self.centre);
+        let slope = self.relief(at).gradient;
+        Parametrisation {
+            uv: (at / self.half_size + Vec2::ONE) * 0.5,
             dpdu: self.frame.to_world(Vec3::new(1.0, 0.0, slope.x)) * (2.0 * self.half_size.x),
             dpdv: self.frame.to_world(Vec3::new(0.0, 1.0, slope.y)) * (2.0 * self.half_size.y),
-            shape: ShapeOperator::from_matrix(axes * local * axes.transpose()),
         }
     }
 }

@@ -27,13 +27,6 @@ use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Normal3, Point3, Ray, Vec2, Vec3};
 use crate::radiometry::{Area, Pdf};
 
-/// A hit of a ray with a shape: t in units of the ray's direction, (u, v) the shape's own parameters in [0, 1]².
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ShapeHit {
-    pub t: f64,
-    pub uv: Vec2,
-}
-
 /// The surface of a shape about one of its points, in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSurface {
@@ -41,12 +34,19 @@ pub struct LocalSurface {
     pub p: Point3,
     /// Outward normal (sphere, cylinder, torus: away from the solid; disk, rectangle: +normal; height field: +z).
     pub n: Normal3,
+    /// dN/dx of `n`.
+    pub shape: ShapeOperator,
+}
+
+/// A shape's own parameters at one of its points, in object space. Only textures ask for them, and angles cost more
+/// than the hit itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parametrisation {
+    /// In [0, 1]².
     pub uv: Vec2,
     /// ∂p/∂u and ∂p/∂v; ∂p/∂u is zero at a sphere's poles.
     pub dpdu: Vec3,
     pub dpdv: Vec3,
-    /// dN/dx of `n`.
-    pub shape: ShapeOperator,
 }
 
 /// A point drawn uniformly by area.
@@ -82,9 +82,9 @@ impl Shape {
             Shape::HeightField(_) => "height_field",
         }
     }
-    /// The first hit with t in (t_min, t_max), from either side. The direction need not be of unit length. A NaN never
-    /// comes out; a ray with one misses.
-    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    /// t of the first hit in (t_min, t_max), from either side, in units of the direction, which need not be of unit
+    /// length. A NaN never comes out; a ray with one misses.
+    pub fn intersect(&self, ray: &Ray) -> Option<f64> {
         match self {
             Shape::Sphere(s) => s.intersect(ray),
             Shape::Cylinder(s) => s.intersect(ray),
@@ -114,6 +114,17 @@ impl Shape {
             Shape::Disk(s) => s.surface_at(p),
             Shape::Rectangle(s) => s.surface_at(p),
             Shape::HeightField(s) => s.surface_at(p),
+        }
+    }
+    /// The shape's parameters at a hit point `p`.
+    pub fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        match self {
+            Shape::Sphere(s) => s.parametrisation_at(p),
+            Shape::Cylinder(s) => s.parametrisation_at(p),
+            Shape::Torus(s) => s.parametrisation_at(p),
+            Shape::Disk(s) => s.parametrisation_at(p),
+            Shape::Rectangle(s) => s.parametrisation_at(p),
+            Shape::HeightField(s) => s.parametrisation_at(p),
         }
     }
     /// Object-space area in m²; `None` for a shape that cannot be sampled by area (the height field).

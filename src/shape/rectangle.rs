@@ -1,7 +1,7 @@
 //! The rectangle · metres, object space · u along the half axis a, v along b.
 
 use super::error::{ShapeError, direction, finite_point};
-use super::{AreaSample, LocalSurface, ShapeHit, plane_hit};
+use super::{AreaSample, LocalSurface, Parametrisation, plane_hit};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Normal3, Point3, Ray, Vec2, Vec3};
 
@@ -48,10 +48,10 @@ impl Rectangle {
         Vec2::new(d.dot(self.a) / self.a.length_squared(), d.dot(self.b) / self.b.length_squared())
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let t = plane_hit(ray, self.centre, self.normal.to_vec())?;
         let local = self.local(ray.at(t));
-        (local.abs().max_element() <= 1.0).then(|| ShapeHit { t, uv: uv(local) })
+        (local.abs().max_element() <= 1.0).then_some(t)
     }
 
     pub(super) fn bounds(&self) -> Bounds3 {
@@ -64,11 +64,12 @@ impl Rectangle {
         LocalSurface {
             p: self.centre + self.a * local.x + self.b * local.y,
             n: self.normal,
-            uv: uv(local),
-            dpdu: 2.0 * self.a,
-            dpdv: 2.0 * self.b,
             shape: ShapeOperator::FLAT,
         }
+    }
+
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        Parametrisation { uv: uv(self.local(p)), dpdu: 2.0 * self.a, dpdv: 2.0 * self.b }
     }
 
     pub(super) fn area(&self) -> f64 {

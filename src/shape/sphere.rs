@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::error::{ShapeError, finite_point, positive};
 use super::roots::{first_within, quadratic};
-use super::{AreaSample, LocalSurface, ShapeHit, outer};
+use super::{AreaSample, LocalSurface, Parametrisation, outer};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Dir3, Normal3, Point3, Ray, Vec2, Vec3};
 use crate::sampling::warp::{UniformSphere, Warp};
@@ -29,7 +29,7 @@ impl Sphere {
         self.radius
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let to_origin = ray.origin - self.centre;
         let a = ray.direction.length_squared();
         let b = to_origin.dot(ray.direction);
@@ -40,8 +40,7 @@ impl Sphere {
         let nearest = to_origin - ray.direction * (b / a);
         let apart = nearest.length();
         let disc = (self.radius - apart) * (self.radius + apart);
-        let t = first_within(quadratic(a, b, c, disc)?, ray.t_min, ray.t_max, |_| true)?;
-        Some(ShapeHit { t, uv: self.uv(self.outward(ray.at(t))) })
+        first_within(quadratic(a, b, c, disc)?, ray.t_min, ray.t_max, |_| true)
     }
 
     pub(super) fn bounds(&self) -> Bounds3 {
@@ -53,23 +52,24 @@ impl Sphere {
         (p - self.centre).try_normalize().unwrap_or(Vec3::Z)
     }
 
-    fn uv(&self, n: Vec3) -> Vec2 {
-        let around = n.truncate().length();
-        Vec2::new(super::turn(n.y, n.x), around.atan2(-n.z) / PI)
+    pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
+        let n = self.outward(p);
+        LocalSurface {
+            p: self.centre + n * self.radius,
+            n: Normal3::from_unit(n),
+            shape: ShapeOperator::from_matrix((glam::DMat3::IDENTITY - outer(n, n)) * (1.0 / self.radius)),
+        }
     }
 
-    pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
         let n = self.outward(p);
         let around = n.truncate().length();
         // At the poles, where φ means nothing, the meridian φ = 0 is taken.
         let (cos, sin) = if around > 0.0 { (n.x / around, n.y / around) } else { (1.0, 0.0) };
-        LocalSurface {
-            p: self.centre + n * self.radius,
-            n: Normal3::from_unit(n),
-            uv: self.uv(n),
+        Parametrisation {
+            uv: Vec2::new(super::turn(n.y, n.x), around.atan2(-n.z) / PI),
             dpdu: 2.0 * PI * self.radius * Vec3::new(-n.y, n.x, 0.0),
             dpdv: PI * self.radius * Vec3::new(-n.z * cos, -n.z * sin, around),
-            shape: ShapeOperator::from_matrix((glam::DMat3::IDENTITY - outer(n, n)) * (1.0 / self.radius)),
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::error::{ShapeError, direction, finite_point, positive};
 use super::roots::{Bracket, bernstein4, first_bracket, polish};
-use super::{AreaSample, LocalSurface, ShapeHit, outer};
+use super::{AreaSample, LocalSurface, Parametrisation, outer};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2, Vec3};
 
@@ -16,6 +16,16 @@ pub struct Torus {
     minor: f64,
     /// `n` is the axis.
     frame: Frame,
+}
+
+/// Unit vectors at a point: along the ring, along the tube's circle, outward, from the axis to the ring's circle.
+struct Tangents {
+    along: Vec3,
+    up: Vec3,
+    n: Vec3,
+    out: Vec3,
+    /// Distance from the axis.
+    around: f64,
 }
 
 impl Torus {
@@ -45,7 +55,7 @@ impl Torus {
         self.minor
     }
 
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<f64> {
         let origin = self.frame.to_local(ray.origin - self.centre);
         let direction = self.frame.to_local(ray.direction);
         let (near, far) = self.clip(origin, direction, ray.t_min, ray.t_max)?;
@@ -73,8 +83,7 @@ impl Torus {
             let t = near + (far - near) * s;
             (t > ray.t_min && t < ray.t_max).then_some(s)
         })?;
-        let t = near + (far - near) * s;
-        Some(ShapeHit { t, uv: self.uv(origin + direction * t) })
+        Some(near + (far - near) * s)
     }
 
     /// The part of (t_min, t_max) inside the slab and the cylinder around the torus.
@@ -141,30 +150,41 @@ impl Torus {
     }
 
     pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
-        let local = self.frame.to_local(p - self.centre);
-        let spoke = local.truncate().try_normalize().unwrap_or(Vec2::X);
-        let around = local.truncate().length();
-        let meridian = Vec2::new(around - self.major, local.z).try_normalize().unwrap_or(Vec2::X);
-        self.surface(spoke, meridian, self.uv(local))
-    }
-
-    /// The surface where the ring's angle has the cosine and sine `spoke`, the tube's angle `meridian`.
-    fn surface(&self, spoke: Vec2, meridian: Vec2, uv: Vec2) -> LocalSurface {
-        let out = self.frame.to_world(spoke.extend(0.0));
-        let along = self.frame.n.cross(out);
-        let n = out * meridian.x + self.frame.n * meridian.y;
-        let up = self.frame.n * meridian.x - out * meridian.y;
-        let around = self.major + self.minor * meridian.x;
+        let [spoke, meridian] = self.angles(self.frame.to_local(p - self.centre));
+        let Tangents { along, up, n, out, around } = self.tangents(spoke, meridian);
         LocalSurface {
             p: self.centre + out * self.major + n * self.minor,
             n: Normal3::from_unit(n),
-            uv,
-            dpdu: 2.0 * PI * around * along,
-            dpdv: 2.0 * PI * self.minor * up,
             // Principal curvatures of a surface of revolution: 1/r along the meridian, cos ϑ/(R + r cos ϑ) across.
             shape: ShapeOperator::from_matrix(
                 outer(along, along) * (meridian.x / around) + outer(up, up) * (1.0 / self.minor),
             ),
+        }
+    }
+
+    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+        let local = self.frame.to_local(p - self.centre);
+        let [spoke, meridian] = self.angles(local);
+        let Tangents { along, up, around, .. } = self.tangents(spoke, meridian);
+        Parametrisation { uv: self.uv(local), dpdu: 2.0 * PI * around * along, dpdv: 2.0 * PI * self.minor * up }
+    }
+
+    /// Cosine and sine of the ring's and of the tube's angle at a point given in the torus's frame.
+    fn angles(&self, local: Vec3) -> [Vec2; 2] {
+        let spoke = local.truncate().try_normalize().unwrap_or(Vec2::X);
+        let around = local.truncate().length();
+        [spoke, Vec2::new(around - self.major, local.z).try_normalize().unwrap_or(Vec2::X)]
+    }
+
+    /// Where the ring's angle has the cosine and sine `spoke`, the tube's angle `meridian`.
+    fn tangents(&self, spoke: Vec2, meridian: Vec2) -> Tangents {
+        let out = self.frame.to_world(spoke.extend(0.0));
+        Tangents {
+            along: self.frame.n.cross(out),
+            up: self.frame.n * meridian.x - out * meridian.y,
+            n: out * meridian.x + self.frame.n * meridian.y,
+            out,
+            around: self.major + self.minor * meridian.x,
         }
     }
 
@@ -182,12 +202,12 @@ impl Torus {
         });
         let (sin, cos) = (2.0 * PI * u).sin_cos();
         let meridian = Vec2::from_angle(theta);
-        let surface = self.surface(Vec2::new(cos, sin), meridian, Vec2::new(u, theta / (2.0 * PI)));
+        let Tangents { along, up, n, out, around } = self.tangents(Vec2::new(cos, sin), meridian);
         AreaSample {
-            p: surface.p,
-            n: surface.n,
-            dpdu: surface.dpdu,
-            dpdv: surface.dpdv * (1.0 / (1.0 + ratio * meridian.x)),
+            p: self.centre + out * self.major + n * self.minor,
+            n: Normal3::from_unit(n),
+            dpdu: 2.0 * PI * around * along,
+            dpdv: 2.0 * PI * self.minor * up * (1.0 / (1.0 + ratio * meridian.x)),
         }
     }
 

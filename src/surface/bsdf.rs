@@ -23,8 +23,9 @@ use super::bsdfs::{Arrival, LocalDeltas};
 use super::event::{BsdfSample, DeltaBranch, DeltaBranches, Event, TransportMode};
 use super::interaction::Interaction;
 use super::microfacet::Ggx;
+use super::parametrisation::Lookup;
 use super::texture::Textures;
-use crate::math::{Dir3, Frame, Normal3, Vec2, Vec3};
+use crate::math::{Dir3, Frame, Normal3, Vec3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum};
 use crate::scene::{ImageTexture, Material, Textured};
 
@@ -68,14 +69,13 @@ impl Side {
 }
 
 impl Bsdf {
-    /// The BSDF of `material` at `hit`. `footprint` is ∂(u, v)/∂x and ∂(u, v)/∂y of the pixel
-    /// ([`Interaction::uv_derivatives`]); zero looks textures up at a point.
+    /// The BSDF of `material` at `hit`; `texture` is where its images are looked up, if it has any.
     ///
     /// A rough material whose `alpha` is here below [`Ggx::SMOOTH_BELOW`], or whose two indices are equal, is its smooth
     /// limit.
-    pub fn new(material: &Material, textures: &Textures, hit: &Interaction, footprint: [Vec2; 2]) -> Bsdf {
-        let colour = |value| textures.colour(value, hit.uv, footprint);
-        let number = |value| textures.number(value, hit.uv, footprint);
+    pub fn new(material: &Material, textures: &Textures, hit: &Interaction, texture: &Lookup) -> Bsdf {
+        let colour = |value| textures.colour(value, texture);
+        let number = |value| textures.number(value, texture);
         let model = match material {
             Material::Lambert { albedo } => Model::Lambert(Lambert { albedo: colour(albedo) }),
             Material::Mirror { reflectance } => Model::Mirror(Mirror { reflectance: colour(reflectance) }),

@@ -1,7 +1,7 @@
 //! Texture lookups.
 
 use super::mipmap::MipMap;
-use crate::math::Vec2;
+use super::parametrisation::Lookup;
 use crate::radiometry::Spectrum;
 use crate::scene::{ImageTexture, Textured};
 
@@ -17,19 +17,21 @@ impl Textures {
         Textures { maps: images.iter().map(MipMap::new).collect() }
     }
 
-    /// A colour at `uv`, filtered over the parallelogram of `footprint` = (∂uv/∂x, ∂uv/∂y).
-    pub fn colour(&self, value: &Textured<Spectrum>, uv: Vec2, footprint: [Vec2; 2]) -> Spectrum {
+    /// A colour, filtered over the lookup's parallelogram.
+    pub fn colour(&self, value: &Textured<Spectrum>, at: &Lookup) -> Spectrum {
         match value {
             Textured::Constant(c) => *c,
-            Textured::Image { texture, factor } => *factor * self.maps[texture.index()].filtered(uv, footprint),
+            Textured::Image { texture, factor } => *factor * self.maps[texture.index()].filtered(at.uv, at.footprint),
         }
     }
 
-    /// A number at `uv`: the mean of the image's three components.
-    pub fn number(&self, value: &Textured<f64>, uv: Vec2, footprint: [Vec2; 2]) -> f64 {
+    /// A number: the mean of the image's three components.
+    pub fn number(&self, value: &Textured<f64>, at: &Lookup) -> f64 {
         match value {
             Textured::Constant(x) => *x,
-            Textured::Image { texture, factor } => *factor * self.maps[texture.index()].filtered(uv, footprint).mean(),
+            Textured::Image { texture, factor } => {
+                *factor * self.maps[texture.index()].filtered(at.uv, at.footprint).mean()
+            }
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::backend::RawHit;
 use crate::differential::ShapeOperator;
 use crate::math::{Normal3, Point3, Ray, Transform, Vec2, Vec3};
 use crate::scene::TriangleMesh;
+use crate::shape::Parametrisation;
 
 /// How far outside the triangle a recomputed hit may lie, in barycentric units. The f32 rounding that a ray library is
 /// allowed explains this much on triangles some tens of roundings wide; beyond it the ray runs within rounding of the
@@ -56,16 +57,13 @@ pub(super) fn find(mesh: &TriangleMesh, to_world: &Transform, ray: &Ray, hit: &R
     let [e1, e2] = plane.edges;
     let ng = Normal3::new(to_world.normal_unnormalised(plane.cross)).unwrap_or(Normal3::from_unit(-ray.direction));
     let (ns, shape) = shading_normal(mesh, hit.primitive, &plane, l, to_world, ng);
-    let (uv, dpdu, dpdv) = parametrisation(mesh, hit.primitive, &plane, l);
     Found {
         p: to_world.point(plane.corner + e1 * l[0] + e2 * l[1]),
         t,
         ng,
         ns,
         shape,
-        uv,
-        dpdu: to_world.vector(dpdu),
-        dpdv: to_world.vector(dpdv),
+        barycentric: l,
         extent: corners.into_iter().map(|p| reach(to_world, p)).fold(0.0, f64::max),
         exact: crossing.is_some(),
     }
@@ -98,11 +96,13 @@ fn shading_normal(
     }
 }
 
-/// Texture coordinates and ∂p/∂u, ∂p/∂v in object space; a mesh without texture coordinates is parametrised by l1, l2.
-fn parametrisation(mesh: &TriangleMesh, primitive: u32, plane: &Plane, l: [f64; 2]) -> (Vec2, Vec3, Vec3) {
-    let [e1, e2] = plane.edges;
+/// Texture coordinates and their tangents in object space where the barycentric weights are `l`; a mesh without texture
+/// coordinates is parametrised by the weights themselves.
+pub(super) fn parametrisation(mesh: &TriangleMesh, primitive: u32, l: [f64; 2]) -> Parametrisation {
+    let [a, b, c] = mesh.corners(primitive);
+    let (e1, e2) = (b - a, c - a);
     if mesh.uvs.is_empty() {
-        return (Vec2::from_array(l), e1, e2);
+        return Parametrisation { uv: Vec2::from_array(l), dpdu: e1, dpdv: e2 };
     }
     let corners = mesh.triangles[primitive as usize];
     let [a, b, c] = corners.map(|i| Vec2::new(mesh.uvs[i as usize][0].into(), mesh.uvs[i as usize][1].into()));
@@ -111,5 +111,5 @@ fn parametrisation(mesh: &TriangleMesh, primitive: u32, plane: &Plane, l: [f64; 
     let determinant = d1.perp_dot(d2);
     let dpdu = (e1 * d2.y - e2 * d1.y) / determinant;
     let dpdv = (e2 * d1.x - e1 * d2.x) / determinant;
-    (a + d1 * l[0] + d2 * l[1], dpdu, dpdv)
+    Parametrisation { uv: a + d1 * l[0] + d2 * l[1], dpdu, dpdv }
 }

@@ -73,7 +73,7 @@ fn random_beam(to: Point3, index: u64) -> Beam {
         let dw = random_direction(&mut stream);
         Column { dx: random_direction(&mut stream), dw: dw - w * w.dot(dw) }
     });
-    Beam { p: from, w, columns: Differential { columns } }
+    Beam { p: from, w, columns: Differential::new(columns) }
 }
 
 const CHAINS: [(&str, &[(usize, Act)]); 4] = [

@@ -5,7 +5,7 @@ use pdembree::differential::{Column, Differential};
 use pdembree::math::{Dir3, Point3, Ray, Transform, Vec2, Vec3};
 use pdembree::scene::settings::BackendKind;
 use pdembree::scene::{MeshId, ObjectGeometry, ObjectId, Scene, TriangleMesh};
-use pdembree::surface::Interaction;
+use pdembree::surface::{Interaction, Lookup};
 
 use crate::support::scene::{geode, mesh_scene, ray_towards, scene, shape_scene};
 use crate::support::shapes::{self, random, random_direction};
@@ -41,12 +41,7 @@ fn shape_hit(scene: &Scene, ray: &Ray) -> Option<RawHit> {
     let ObjectGeometry::Shape { shape, to_world } = &scene.objects[0].geometry else { panic!("a shape scene") };
     let own =
         Ray { origin: to_world.inverse_point(ray.origin), direction: to_world.inverse_vector(ray.direction), ..*ray };
-    shape.intersect(&own).map(|hit| raw(hit.t, hit.uv.to_array()))
-}
-
-/// Rounds a hit as a ray library in f32 would.
-fn as_f32(hit: RawHit) -> RawHit {
-    RawHit { t: f64::from(hit.t as f32), uv: hit.uv.map(|x| f64::from(x as f32)), ..hit }
+    shape.intersect(&own).map(|t| raw(t, [0.0; 2]))
 }
 
 const STEP: f64 = 1e-5;
@@ -64,7 +59,7 @@ fn difference(scene: &Scene, at: &Interaction, e: Vec3, step: f64, hit: &RawHit)
         let near = if scene.meshes.is_empty() { shape_hit(scene, &ray).unwrap_or(*hit) } else { *hit };
         Interaction::from_hit(scene, &ray, &near)
     });
-    let duv = a.uv - b.uv;
+    let duv = a.parametrisation(scene).uv - b.parametrisation(scene).uv;
     // Around the seam of a closed parameter.
     let duv = duv - Vec2::new(duv.x.round(), duv.y.round());
     let scale = 1.0 / (2.0 * step);
@@ -87,8 +82,9 @@ fn check_derivatives(scene: &Scene, at: &Interaction, hit: &RawHit, e: Vec3, nam
     let curvature = at.shape.matrix().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
     let (operator, allowed) = off(at.shape.apply(dp) - dn, at.shape.apply(half_dp) - half_dn);
     assert!(operator < allowed + 1e-9 * (1.0 + curvature), "{name}: S is off by {operator:e} at {at:?}");
-    if at.dpdu.length() > 0.5 && at.dpdu.length() != 1.0 {
-        let tangent = |dp: Vec3, duv: Vec2| at.dpdu * duv.x + at.dpdv * duv.y - dp;
+    let place = at.parametrisation(scene);
+    if place.dpdu.length() > 0.5 && place.dpdu.length() != 1.0 {
+        let tangent = |dp: Vec3, duv: Vec2| place.dpdu * duv.x + place.dpdv * duv.y - dp;
         let (tangent, allowed) = off(tangent(dp, duv), tangent(half_dp, half_duv));
         assert!(tangent < allowed + 1e-9, "{name}: ∂p is off by {tangent:e} at {at:?}");
     }
@@ -104,13 +100,13 @@ fn every_shape_in_an_oblique_place_has_the_derivatives_of_its_normals() {
             let from = to + random_direction(&mut stream) * (4.0 * known.reach);
             let ray = ray_towards(from, to);
             let Some(hit) = shape_hit(&scene, &ray) else { continue };
-            let at = Interaction::from_hit(&scene, &ray, &as_f32(hit));
+            let at = Interaction::from_hit(&scene, &ray, &hit);
             assert!(at.exact, "{}: {ray:?} {hit:?}", known.name);
             if at.ng.dot(at.wo).abs() < 0.2 {
                 continue; // differences along a grazing ray are long
             }
-            // The f32 t was forgotten: the point is on the ray and on the surface.
-            assert!((at.t - hit.t).abs() < 1e-13 * hit.t / at.ng.dot(at.wo).abs(), "{}", known.name);
+            // The point is on the ray and on the surface.
+            assert_eq!(at.t, hit.t);
             assert!(at.p.distance(ray.at(at.t)) < 1e-13 * (1.0 + at.t), "{}", known.name);
             assert!((known.implicit)(oblique().inverse_point(at.p)).abs() < 1e-14);
             // Outward stays outward although the place is mirrored.
@@ -199,11 +195,12 @@ fn degenerate_triangles_and_rays_in_the_plane_give_finite_numbers_and_say_so() {
         let at = Interaction::from_hit(&scene, &in_plane, &raw(1.25, uv));
         assert!(!at.exact);
         assert!(at.p.is_finite() && at.t == 1.25 && at.error.is_finite(), "{at:?}");
-        for v in [at.ng.to_vec(), at.ns.to_vec(), at.dpdu, at.dpdv] {
+        let place = at.parametrisation(&scene);
+        for v in [at.ng.to_vec(), at.ns.to_vec(), place.dpdu, place.dpdv] {
             assert!(v.is_finite() && v.length() > 0.0, "{at:?}");
         }
-        assert!(at.uv.is_finite() && at.shape.apply(Vec3::ONE).is_finite(), "{at:?}");
-        assert!(at.dpdu.cross(at.dpdv).length() > 0.0, "{at:?}");
+        assert!(place.uv.is_finite() && at.shape.apply(Vec3::ONE).is_finite(), "{at:?}");
+        assert!(place.dpdu.cross(place.dpdv).length() > 0.0, "{place:?}");
     }
 }
 
@@ -214,7 +211,8 @@ fn a_sphere_has_tangents_at_its_poles_too() {
     let scene = shape_scene(sphere, Transform::IDENTITY);
     let ray = ray_towards(Point3::new(0.0, 0.0, 3.0), Point3::ORIGIN);
     let at = Interaction::from_hit(&scene, &ray, &raw(2.0, [0.0, 1.0]));
-    assert!((at.dpdu.cross(at.dpdv).length() - 1.0).abs() < 1e-15 && at.dpdu.dot(at.ng.to_vec()) == 0.0);
+    let place = at.parametrisation(&scene);
+    assert!((place.dpdu.cross(place.dpdv).length() - 1.0).abs() < 1e-15 && place.dpdu.dot(at.ng.to_vec()) == 0.0);
 }
 
 #[test]
@@ -228,19 +226,19 @@ fn texture_footprints_are_the_differences_of_the_texture_coordinates() {
     let at = Interaction::from_hit(&scene, &ray, &hit);
     let w = Dir3::new(ray.direction).expect("unit");
     let turns = [w.cross(Vec3::X), w.cross(Vec3::Y)];
-    let columns = Differential { columns: turns.map(Column::direction) };
+    let columns = Differential::new(turns.map(Column::direction));
     let landed = pdembree::differential::transfer(&columns, w, at.t, at.ng);
-    let exact = at.uv_derivatives(&landed);
+    let exact = Lookup::filtered(&at.parametrisation(&scene), &landed).footprint;
     for (turn, exact) in turns.into_iter().zip(exact) {
         let [a, b] = [1e-6, -1e-6].map(|step| {
             let ray = Ray { direction: (ray.direction + turn * step).normalize(), ..ray };
-            Interaction::from_hit(&scene, &ray, &hit).uv
+            Interaction::from_hit(&scene, &ray, &hit).parametrisation(&scene).uv
         });
         let difference = (a - b) / 2e-6;
         assert!((difference - exact).length() < 1e-8 * exact.length(), "{difference} against {exact}");
     }
-    let broken = Differential { columns: [Column::direction(Vec3::ZERO), Column::position(Vec3::NAN)] };
-    assert_eq!(at.uv_derivatives(&broken), [Vec2::ZERO; 2]);
+    let broken = Differential::new([Column::direction(Vec3::ZERO), Column::position(Vec3::NAN)]);
+    assert_eq!(Lookup::filtered(&at.parametrisation(&scene), &broken).footprint, [Vec2::ZERO; 2]);
 }
 
 /// The backends that this build has.

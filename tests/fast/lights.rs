@@ -36,7 +36,7 @@ fn the_jacobian_of_every_emission_is_its_derivative() {
         let (mut tried, mut compared) = (0, 0);
         for u in draws(&case, 60) {
             let Some(emission) = case.light.emit(u, &case.aim) else { continue };
-            for (k, column) in emission.jacobian.columns.iter().enumerate() {
+            for (k, column) in emission.jacobian.columns().iter().enumerate() {
                 if u[k] < 1e-3 || u[k] > 1.0 - 1e-3 {
                     continue;
                 }
@@ -63,7 +63,7 @@ fn densities_are_the_jacobians_inverse() {
     for case in cases() {
         for u in draws(&case, 200) {
             let Some(e) = case.light.emit(u, &case.aim) else { continue };
-            let [cu, cv, ct, cp] = e.jacobian.columns;
+            let [cu, cv, ct, cp] = e.jacobian.columns();
             let (area, angle) = (cell(cu.dx, cv.dx), cell(ct.dw, cp.dw));
             let pdf_a = e.pdf_a.map_or(1.0, |p| p.get());
             let pdf_w = e.pdf_w.map_or(1.0, |p| p.get());
@@ -87,7 +87,7 @@ fn every_emission_is_found_again_by_its_inverse() {
             let at = format!("{} at u = {u:?}, seed {SEED}", case.name);
             let back = case.light.emission_inverse(e.origin, e.direction, &case.aim);
             let back = back.unwrap_or_else(|| panic!("{at}: not found"));
-            let [cu, cv, ct, cp] = e.jacobian.columns;
+            let [cu, cv, ct, cp] = e.jacobian.columns();
             // Rounding of the ray, through the inverse of each pair of columns and of the coupling of both.
             let position = cu.dx.length().max(cv.dx.length()) / cell(cu.dx, cv.dx);
             let direction = ct.dw.length().max(cp.dw.length()) / cell(ct.dw, cp.dw);

@@ -19,7 +19,7 @@ fn in_plane(from: Vec2, angle: f64) -> Beam {
     let w = Dir3::new(Vec3::new(angle.cos(), angle.sin(), 0.0)).expect("unit");
     let across = Vec3::Z.cross(w.to_vec());
     let columns = [Column::position(across), Column::ZERO, Column::direction(across), Column::ZERO];
-    Beam { p: Point3::new(from.x, from.y, 0.0), w, columns: Differential { columns } }
+    Beam { p: Point3::new(from.x, from.y, 0.0), w, columns: Differential::new(columns) }
 }
 
 fn caustic(start: &Beam, column: usize) -> Point3 {
@@ -74,7 +74,7 @@ fn light_over_the_rim_of_a_ring_lands_where_the_billiard_does() {
     ];
     for ((x, y), printed, jacobian) in table {
         let columns = [Column::position(Vec3::X), Column::position(Vec3::Y), Column::ZERO, Column::ZERO];
-        let start = Beam { p: Point3::new(x, y, 1.2), w, columns: Differential { columns } };
+        let start = Beam { p: Point3::new(x, y, 1.2), w, columns: Differential::new(columns) };
         let b = ring().trace(&start, &[(0, Act::Mirror), (1, Act::Land)]).expect("one bounce");
         assert!((b.p.truncate() - Vec2::from(printed)).abs().max_element() < 1e-8, "{:?}, not {printed:?}", b.p);
         let cos = (1.0 - y * y).sqrt();

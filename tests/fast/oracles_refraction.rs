@@ -75,7 +75,9 @@ fn behind_prism(n: f64, incidence: f64) -> Beam {
     let start = Point3::new(-0.5, -(30f64.to_radians().cos()), 0.0) - direction * 0.3;
     let mut b = beam(start, direction);
     let in_plane = Vec3::Z.cross(direction);
-    b.columns.columns[2].dw = in_plane;
+    let mut columns = b.columns.columns();
+    columns[2].dw = in_plane;
+    b.columns = pdembree::differential::Differential::new(columns);
     prism().trace(&b, &[(0, Act::Refract(1.0 / n)), (1, Act::Refract(n))]).expect("passes the prism")
 }
 

@@ -98,7 +98,7 @@ fn the_area_is_the_integral_of_the_parametrisation() {
         let mean = (0..n * n)
             .map(|i| {
                 let u = [(f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n)];
-                let at = known.shape.surface_at(known.shape.sample_area(u).expect("samplable").p);
+                let at = known.shape.parametrisation_at(known.shape.sample_area(u).expect("samplable").p);
                 // Drawn uniformly by area, the mean of 1/|∂p/∂u × ∂p/∂v| is 1/area.
                 1.0 / at.dpdu.cross(at.dpdv).length()
             })

@@ -5,8 +5,8 @@ use pdembree::radiometry::Spectrum;
 use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::texture::Wrap;
 use pdembree::scene::{ImageTexture, TextureId, Textured};
-use pdembree::surface::Textures;
 use pdembree::surface::mipmap::MipMap;
+use pdembree::surface::{Lookup, Textures};
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror];
 const POINT: [Vec2; 2] = [Vec2::ZERO; 2];
@@ -327,8 +327,8 @@ fn a_factor_tints_an_image() {
     texture.texels = vec![[0.25, 0.5, 0.75]; 16];
     let textures = Textures::new(&[texture]);
     let colour = Textured::Image { texture: TextureId(0), factor: Spectrum::rgb(2.0, 1.0, 0.5) };
-    assert_eq!(textures.colour(&colour, Vec2::ZERO, POINT), Spectrum::rgb(0.5, 0.5, 0.375));
+    assert_eq!(textures.colour(&colour, &Lookup::default()), Spectrum::rgb(0.5, 0.5, 0.375));
     let number = Textured::Image { texture: TextureId(0), factor: 2.0 };
-    assert_eq!(textures.number(&number, Vec2::ZERO, POINT), 1.0);
-    assert_eq!(textures.number(&Textured::Constant(0.7), Vec2::ZERO, POINT), 0.7);
+    assert_eq!(textures.number(&number, &Lookup::default()), 1.0);
+    assert_eq!(textures.number(&Textured::Constant(0.7), &Lookup::default()), 0.7);
 }

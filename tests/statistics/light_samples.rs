@@ -27,10 +27,10 @@ fn shape_crossings(shape: Shape, to_world: Transform) -> Crossings {
             t_max: f64::INFINITY,
         };
         let mut found = Vec::new();
-        while let Some(hit) = shape.intersect(&ray) {
-            let local = shape.surface_at(ray.at(hit.t));
+        while let Some(t) = shape.intersect(&ray) {
+            let local = shape.surface_at(ray.at(t));
             found.push((to_world.point(local.p), to_world.normal(local.n)));
-            ray.t_min = hit.t * (1.0 + 1e-9);
+            ray.t_min = t * (1.0 + 1e-9);
         }
         found
     })

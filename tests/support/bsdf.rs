@@ -1,14 +1,13 @@
 //! Points with materials on them, and directions about them.
 
 use pdembree::differential::ShapeOperator;
-use pdembree::math::{Dir3, Frame, Normal3, Point3, Vec2, Vec3};
+use pdembree::math::{Dir3, Normal3, Point3, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::{Material, MaterialId, ObjectId, Textured};
-use pdembree::surface::{Bsdf, Interaction, Textures};
+use pdembree::surface::{Bsdf, Interaction, Lookup, Textures};
 
 /// A point at the origin with these normals.
 pub fn point(ng: Normal3, ns: Normal3) -> Interaction {
-    let frame = Frame::from_unit(ng);
     Interaction {
         p: Point3::ORIGIN,
         error: 0.0,
@@ -16,10 +15,8 @@ pub fn point(ng: Normal3, ns: Normal3) -> Interaction {
         wo: ng.as_dir(),
         ng,
         ns,
-        uv: Vec2::ZERO,
-        dpdu: frame.t,
-        dpdv: frame.b,
         shape: ShapeOperator::FLAT,
+        barycentric: [0.0; 2],
         object: ObjectId(0),
         primitive: 0,
         material: MaterialId(0),
@@ -34,7 +31,7 @@ pub fn flat(material: &Material) -> Bsdf {
 
 /// The BSDF of an untextured material.
 pub fn bent(material: &Material, ng: Normal3, ns: Normal3) -> Bsdf {
-    Bsdf::new(material, &Textures::new(&[]), &point(ng, ns), [Vec2::ZERO; 2])
+    Bsdf::new(material, &Textures::new(&[]), &point(ng, ns), &Lookup::default())
 }
 
 /// A direction by its cosine against z and its azimuth.

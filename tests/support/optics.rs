@@ -35,22 +35,22 @@ pub fn beam(p: Point3, direction: Vec3) -> Beam {
     let u = Vec3::X.cross(w.to_vec()).normalize();
     let v = w.cross(u);
     let columns = [Column::position(u), Column::position(v), Column::direction(u), Column::direction(v)];
-    Beam { p, w, columns: Differential { columns } }
+    Beam { p, w, columns: Differential::new(columns) }
 }
 
 impl Beam {
     /// The beam of the parameter's value `step` for column `k`: to first order in position, on the unit sphere in
     /// direction.
     pub fn stepped(&self, k: usize, step: f64) -> Beam {
-        let column = self.columns.columns[k];
+        let column = self.columns.column(k);
         let w = Dir3::new(self.w.to_vec() + column.dw * step).expect("near a unit vector");
         Beam { p: self.p + column.dx * step, w, ..*self }
     }
     pub fn dx(&self, k: usize) -> Vec3 {
-        self.columns.columns[k].dx
+        self.columns.dx.get(k)
     }
     pub fn dw(&self, k: usize) -> Vec3 {
-        self.columns.columns[k].dw
+        self.columns.dw.get(k)
     }
     /// Area of the parallelogram of two positional derivatives.
     pub fn area(&self, a: usize, b: usize) -> f64 {
@@ -102,7 +102,7 @@ impl Bench {
                     direction: to_world.inverse_vector(ray.direction),
                     ..ray
                 };
-                shape.intersect(&own)?.t
+                shape.intersect(&own)?
             }
         };
         let hit = RawHit { t, object: ObjectId(object as u32), primitive: 0, uv: [1.0 / 3.0; 2] };

@@ -140,8 +140,8 @@ impl Known {
             let from = self.centre + random_direction(stream) * (2.0 * self.reach);
             let to = self.centre + random_direction(stream) * (self.reach * stream.uniform().cbrt());
             let ray = pdembree::math::Ray { origin: from, direction: to - from, t_min: 0.0, t_max: f64::INFINITY };
-            if let Some(hit) = self.shape.intersect(&ray) {
-                return self.shape.surface_at(ray.at(hit.t)).p;
+            if let Some(t) = self.shape.intersect(&ray) {
+                return self.shape.surface_at(ray.at(t)).p;
             }
         }
         panic!("{}: no ray of 10 000 hits it", self.name);

@@ -65,7 +65,7 @@ pub fn verdict(geometry: &Geometry, ray: &Ray, hit: &RawHit) -> Verdict {
 }
 
 fn of_shape(placed: &PlacedShape, ray: &Ray) -> Verdict {
-    placed.intersect(ray).map_or(Verdict::nowhere(), |(t, _)| Verdict { t, inside: true, ..Verdict::nowhere() })
+    placed.intersect(ray).map_or(Verdict::nowhere(), |t| Verdict { t, inside: true, ..Verdict::nowhere() })
 }
 
 fn of_mesh(mesh: &Triangles, to_world: &Transform, ray: &Ray, primitive: u32) -> Verdict {

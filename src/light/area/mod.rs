@@ -241,14 +241,12 @@ impl Light for AreaLight {
             flux: Flux(self.radiance.0 * (cos.abs() * at.inverse_pdf() / leaving.pdf.get())),
             pdf_a: Some(Pdf::new(1.0 / at.inverse_pdf())),
             pdf_w: Some(leaving.pdf),
-            jacobian: Differential {
-                columns: [
-                    Column { dx: at.dpdu, dw: dw_du },
-                    Column { dx: at.dpdv, dw: dw_dv },
-                    Column::direction(dw_dtheta),
-                    Column::direction(dw_dphi),
-                ],
-            },
+            jacobian: Differential::new([
+                Column { dx: at.dpdu, dw: dw_du },
+                Column { dx: at.dpdv, dw: dw_dv },
+                Column::direction(dw_dtheta),
+                Column::direction(dw_dphi),
+            ]),
         })
     }
 
