@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 
 use super::pair;
 use super::receivers::Receivers;
-use super::splat::{Splat, Splatting};
+use super::splat::{Part, Splat, Splatting};
 use crate::math::{Dir3, Normal3, Point3, Vec3};
 use crate::photon::index::{Boxes, Lanes, OuterBox, Visitor};
 use crate::photon::map::Stratum;
@@ -44,11 +44,37 @@ impl GatherPoint {
 /// Which photons answer for a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Asks {
-    /// All of them.
-    All,
+    /// All of them; or, of those whose footprints are much wider than the pixel, the point's share in turn with the
+    /// pixel's other samples.
+    All(Turn),
     /// The stratum that this number in [0, 1) draws, for all: unbiased, and enough behind a diffuse bounce, whose own
     /// noise is greater.
     Drawn(f64),
+}
+
+/// A point's place among the samples of its pixel.
+///
+/// Where many footprints lie over a pixel, samples take turns to ask the wide ones, a group of strata each: together they
+/// ask every photon once, and each of them alone is unbiased. Narrow footprints, which differ from sample to sample,
+/// answer all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// Number of the sample, below `of`.
+    pub index: u32,
+    /// Samples in the pixel; the same for all points that are asked about together.
+    pub of: u32,
+}
+
+impl Turn {
+    /// A point that asks for itself.
+    pub const ALONE: Turn = Turn { index: 0, of: 1 };
+
+    /// Which of so many groups the point asks, and for how many it answers.
+    fn group(self, groups: u32) -> (u32, f64) {
+        let group = self.index % groups;
+        let askers = (self.of - group).div_ceil(groups);
+        (group, f64::from(self.of) / f64::from(askers))
+    }
 }
 
 /// What the photons say at a point.
@@ -66,7 +92,7 @@ pub struct Gathered {
 pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
     let strata = map.strata();
     let drawn = |point: &GatherPoint| match point.asks {
-        Asks::All => Gathered::default(),
+        Asks::All(_) => Gathered::default(),
         Asks::Drawn(u) => {
             let of_all = look_up(map, &strata[(u * strata.len() as f64) as usize], kernel, point);
             let weight = strata.len() as f64;
@@ -74,30 +100,63 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
         }
     };
     let mut gathered: Vec<Gathered> = points.iter().map(drawn).collect();
-    let asking_all: Vec<usize> = (0..points.len()).filter(|&i| points[i].asks == Asks::All).collect();
-    let together: Vec<&GatherPoint> = asking_all.iter().map(|&i| &points[i]).collect();
-    for (i, sum) in asking_all.into_iter().zip(splat_all(map, kernel, &together)) {
-        gathered[i] = sum;
+    let turn = |point: &GatherPoint| match point.asks {
+        Asks::All(turn) => Some(turn),
+        Asks::Drawn(_) => None,
+    };
+    let asking_all: Vec<(usize, Turn)> = (0..).zip(points).filter_map(|(i, p)| Some((i, turn(p)?))).collect();
+    if let Some(&(_, Turn { of, .. })) = asking_all.first() {
+        debug_assert!(asking_all.iter().all(|(_, turn)| turn.of == of), "points of different pictures");
+        splat_all(map, kernel, points, &asking_all, &mut gathered);
     }
     gathered
 }
 
 /// The sums over all photons: every footprint that may reach one of the points is made ready once and splatted into the
-/// tree over the points.
-fn splat_all(map: &PhotonMap, kernel: KernelShape, points: &[&GatherPoint]) -> Vec<Gathered> {
-    if points.is_empty() {
-        return Vec::new();
-    }
+/// trees over the points that ask it.
+fn splat_all(
+    map: &PhotonMap,
+    kernel: KernelShape,
+    points: &[GatherPoint],
+    asking: &[(usize, Turn)],
+    gathered: &mut [Gathered],
+) {
     let processor = pulp::Arch::new();
-    let mut receivers = Receivers::new(points);
-    for stratum in map.strata() {
+    let groups = (map.strata().len() as u32).min(asking[0].1.of);
+    let chosen = |wanted: &dyn Fn(Turn) -> bool| {
+        let chosen = asking.iter().filter(|(_, turn)| wanted(*turn)).map(|&(i, _)| i).collect();
+        Receivers::new(points, chosen)
+    };
+    let mut all = chosen(&|_| true);
+    let mut taking_turns: Vec<Receivers> = match groups {
+        1 => Vec::new(),
+        _ => (0..groups).map(|group| chosen(&|turn| turn.group(groups).0 == group)).collect(),
+    };
+    for (s, stratum) in (0..).zip(map.strata()) {
         let photons = map.photons_of(stratum);
-        for j in stratum.tree.over(&receivers.tree) {
-            processor.dispatch(Splatting { splat: Splat::new(&photons[j], kernel), receivers: &mut receivers });
+        for j in stratum.tree.over(&all.tree) {
+            let splat = Splat::new(&photons[j], kernel);
+            let Some(group) = taking_turns.get_mut((s % groups) as usize) else {
+                processor.dispatch(Splatting { splat: &splat, part: Part::Whole, receivers: &mut all });
+                continue;
+            };
+            if splat.may_be_narrow(&all) {
+                processor.dispatch(Splatting { splat: &splat, part: Part::Narrow, receivers: &mut all });
+            }
+            if splat.may_be_wide(&all) {
+                processor.dispatch(Splatting { splat: &splat, part: Part::Wide, receivers: group });
+            }
         }
     }
-    map.weighed.fetch_add(receivers.weighed, Ordering::Relaxed);
-    receivers.gathered()
+    let weighed = all.weighed + taking_turns.iter().map(|group| group.weighed).sum::<u64>();
+    map.weighed.fetch_add(weighed, Ordering::Relaxed);
+    all.add_to(gathered, |_| 1.0);
+    for group in &taking_turns {
+        group.add_to(gathered, |point| match point.asks {
+            Asks::All(turn) => turn.group(groups).1,
+            Asks::Drawn(_) => 0.0,
+        });
+    }
 }
 
 /// The sum over a stratum's photons whose footprints' boxes hold the point.
@@ -167,7 +226,7 @@ mod tests {
     }
 
     fn point(p: Point3, n: Normal3, eye: [Vec3; 2]) -> GatherPoint {
-        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf: lambert_at(p, n, 1.0), eye, asks: Asks::All }
+        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf: lambert_at(p, n, 1.0), eye, asks: Asks::All(Turn::ALONE) }
     }
 
     fn random_photons(n: usize) -> Vec<Photon> {
@@ -220,6 +279,27 @@ mod tests {
         let mean = drawn.iter().sum::<f64>() / strata as f64;
         assert!((mean / all.density - 1.0).abs() < 1e-6, "{mean} against {}", all.density);
         assert!(drawn.iter().any(|d| (d / all.density - 1.0).abs() > 1e-3), "strata are all the same");
+    }
+
+    /// Samples at one place that take turns say together what each of them would say alone, however many there are of them
+    /// and of strata; where no footprint is wide for them, each says it by itself.
+    #[test]
+    fn samples_that_take_turns_ask_every_photon_once() {
+        let map = map(random_photons(4000));
+        assert!(map.strata().len() > 4, "{}", map.strata().len());
+        let place = |eye, asks| GatherPoint { asks, ..point(Point3::new(0.5, 0.4, 0.0), Normal3::Z, eye) };
+        for (eye, wide) in [(1e-4, true), (1.0, false)] {
+            let eye = [Vec3::X * eye, Vec3::Y * eye];
+            let alone = gather(&map, KernelShape::Triweight, &[place(eye, Asks::All(Turn::ALONE))])[0].density;
+            for of in [2, 3, 16, 33, 40] {
+                let points: Vec<GatherPoint> = (0..of).map(|index| place(eye, Asks::All(Turn { index, of }))).collect();
+                let said: Vec<f64> = gather(&map, KernelShape::Triweight, &points).iter().map(|g| g.density).collect();
+                let mean = said.iter().sum::<f64>() / f64::from(of);
+                assert!((mean / alone - 1.0).abs() < 1e-5, "{mean} against {alone}, {of} samples");
+                let same = said.iter().all(|density| (density / alone - 1.0).abs() < 1e-5);
+                assert_eq!(same, !wide, "{said:?}");
+            }
+        }
     }
 
     /// Points about the photons of [`random_photons`], a little off their plane, some with an eye's footprint.
@@ -277,14 +357,15 @@ mod tests {
     #[test]
     fn every_processor_gives_the_same_bits() {
         let (photons, points) = (random_photons(100), random_points(300));
-        let points: Vec<&GatherPoint> = points.iter().collect();
         let run = |dispatch: &dyn Fn(Splatting)| {
-            let mut receivers = Receivers::new(&points);
+            let mut receivers = Receivers::new(&points, (0..points.len()).collect());
             for photon in &photons {
-                let splat = Splat::new(photon, KernelShape::Triweight);
-                dispatch(Splatting { splat, receivers: &mut receivers });
+                let splat = &Splat::new(photon, KernelShape::Triweight);
+                dispatch(Splatting { splat, part: Part::Whole, receivers: &mut receivers });
             }
-            receivers.gathered()
+            let mut gathered = vec![Gathered::default(); points.len()];
+            receivers.add_to(&mut gathered, |_| 1.0);
+            gathered
         };
         let best = run(&|splatting| pulp::Arch::new().dispatch(splatting));
         let plain = run(&|splatting| pulp::NullaryFnOnce::call(splatting));

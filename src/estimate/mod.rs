@@ -9,5 +9,5 @@ mod receivers;
 pub mod select;
 mod splat;
 
-pub use gather::{Asks, GatherPoint, Gathered};
+pub use gather::{Asks, GatherPoint, Gathered, Turn};
 pub use select::Estimate;

@@ -107,7 +107,7 @@ impl Discs<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::gather::Asks;
+    use super::super::gather::{Asks, Turn};
     use super::*;
     use crate::math::{Dir3, Normal3, Point3, Vec3};
     use crate::photon::footprint::TangentForm;
@@ -160,7 +160,7 @@ mod tests {
     fn point(p: Point3) -> GatherPoint {
         let n = Normal3::Z;
         let bsdf = lambert_at(p, n, 1.0);
-        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All }
+        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All(Turn::ALONE) }
     }
 
     fn one_density(n: u32, k: usize, kernel: KernelShape, seed: u64, trial: u64) -> f64 {

@@ -1,8 +1,6 @@
 //! Points that ask for light, packed by eights: what the inner loop reads of them, number by number.
 
-use std::array;
-
-use super::gather::{GatherPoint, Gathered};
+use super::gather::{Asks, GatherPoint, Gathered};
 use crate::math::{Bounds3, Normal3, Point3, Vec3};
 use crate::photon::index::{BoxTree, Lanes, OuterBox, WIDTH};
 use crate::photon::order::ZCurve;
@@ -15,8 +13,7 @@ pub type Vec3Eight = [Eight; 3];
 
 /// Points in the order of a curve through space, and a tree over their blocks.
 pub struct Receivers<'a> {
-    /// In the order they were given in.
-    points: &'a [&'a GatherPoint],
+    points: &'a [GatherPoint],
     /// Which of them stands in each lane, block after block.
     order: Vec<u32>,
     pub blocks: Vec<Block>,
@@ -24,6 +21,8 @@ pub struct Receivers<'a> {
     /// Pairs of a photon and a point so far.
     pub weighed: u64,
     pub tree: BoxTree,
+    /// The least and the greatest [`Block::shared_above`].
+    pub shared_above: [f32; 2],
 }
 
 /// Eight points near each other. Lanes without a point are too far away for any light.
@@ -40,6 +39,8 @@ pub struct Block {
     pub eye: [Vec3Eight; 2],
     /// Squares of semi-axes that the eye footprints do not exceed, m².
     pub widest_eye: Eight,
+    /// Footprints whose shorter semi-axis, squared, is above this are wide ones: the samples of a pixel share them; m².
+    pub shared_above: Eight,
     /// The BSDF's value, where it is the same for all directions of light; else 0.
     pub f: [Eight; 3],
     /// Lanes where it is not.
@@ -56,75 +57,114 @@ pub struct Sums {
 /// Further away than any photon can reach, and still a number whose square is one.
 const NOWHERE: f32 = 1e18;
 
+/// From how many times the eye footprint of a whole pixel on the shorter semi-axis of a footprint is wide: about two
+/// pixels. Where in the pixel it is asked then changes its light by a third, random from photon to photon; where there are
+/// enough of them to be shared, their number alone makes more noise.
+const WIDE: f64 = 2.0;
+
 impl<'a> Receivers<'a> {
-    pub fn new(points: &'a [&'a GatherPoint]) -> Receivers<'a> {
-        let order = curve_order(points);
+    /// Over the `chosen` ones of the points.
+    pub fn new(points: &'a [GatherPoint], chosen: Vec<usize>) -> Receivers<'a> {
+        let order = curve_order(points, chosen);
         let lanes: Vec<&[u32]> = order.chunks(WIDTH).collect();
         let block = |lanes: &&[u32]| {
-            let of: Vec<&GatherPoint> = lanes.iter().map(|&i| points[i as usize]).collect();
-            Block::new(&of)
+            let mut block = Block::around(points[lanes[0] as usize].p);
+            for (lane, &i) in lanes.iter().enumerate() {
+                block.place(lane, &points[i as usize]);
+            }
+            block
         };
         let boxed = |lanes: &[u32]| {
             let boxes = lanes.iter().map(|&i| points[i as usize].outer_box());
             boxes.fold(OuterBox::EMPTY, OuterBox::union)
         };
+        let blocks: Vec<Block> = lanes.iter().map(block).collect();
+        let limits = blocks.iter().zip(&lanes).flat_map(|(block, lanes)| &block.shared_above[..lanes.len()]);
+        let shared_above = limits.fold([f32::INFINITY, 0.0], |[low, high], &x| [x.min(low), x.max(high)]);
         Receivers {
-            blocks: lanes.iter().map(block).collect(),
+            blocks,
             sums: vec![Sums::default(); lanes.len()],
             weighed: 0,
             tree: BoxTree::build(lanes.len(), |b| boxed(lanes[b])),
             order,
             points,
+            shared_above,
         }
     }
 
     /// The point in a lane of a block.
     pub fn point(&self, block: usize, lane: usize) -> &GatherPoint {
-        self.points[self.order[block * WIDTH + lane] as usize]
+        &self.points[self.order[block * WIDTH + lane] as usize]
     }
 
-    /// What was gathered for each point, in the order they were given in.
-    pub fn gathered(&self) -> Vec<Gathered> {
-        let mut gathered = vec![Gathered::default(); self.points.len()];
+    /// Adds what was gathered for each point, times its weight, to the list of all points.
+    pub fn add_to(&self, gathered: &mut [Gathered], weight: impl Fn(&GatherPoint) -> f64) {
         for (place, &i) in self.order.iter().enumerate() {
-            let (sums, lane) = (&self.sums[place / WIDTH], place % WIDTH);
-            let radiance = Radiance(Spectrum::from(sums.radiance.map(|channel| channel[lane])));
-            gathered[i as usize] = Gathered { radiance, density: sums.density[lane] };
+            let (sums, lane, i) = (&self.sums[place / WIDTH], place % WIDTH, i as usize);
+            let weight = weight(&self.points[i]);
+            gathered[i].radiance += Radiance(Spectrum::from(sums.radiance.map(|channel| channel[lane])) * weight);
+            gathered[i].density += sums.density[lane] * weight;
         }
-        gathered
     }
 }
 
 impl Block {
-    /// At most eight points.
-    fn new(points: &[&GatherPoint]) -> Block {
-        let origin = points[0].p;
-        let lanes = |number: &dyn Fn(&GatherPoint) -> f64, absent: f32| -> Eight {
-            array::from_fn(|lane| points.get(lane).map_or(absent, |point| number(point) as f32))
-        };
-        let vectors = |vector: &dyn Fn(&GatherPoint) -> Vec3, absent: f32| -> Vec3Eight {
-            array::from_fn(|k| lanes(&|point| vector(point)[k], absent))
-        };
-        let side = |point: &GatherPoint, n: Normal3| 1.0f64.copysign(n.dot(point.wo));
-        let even: Vec<Option<Spectrum>> = points.iter().map(|point| point.bsdf.even_value(point.wo)).collect();
-        let value = |lane: usize| even.get(lane).copied().flatten().unwrap_or(Spectrum::BLACK).to_array();
+    /// No points, around a place.
+    fn around(origin: Point3) -> Block {
         Block {
             origin,
-            p: vectors(&|point| point.p - origin, NOWHERE),
-            ng: vectors(&|point| point.ng.to_vec(), 0.0),
-            side: lanes(&|point| side(point, point.ng), 0.0),
-            ns: vectors(&|point| point.ns * side(point, point.ns), 0.0),
-            eye: array::from_fn(|k| vectors(&|point| point.eye[k], 0.0)),
-            widest_eye: lanes(&|point| point.eye.iter().map(|axis| axis.length_squared()).sum(), 0.0),
-            f: array::from_fn(|k| array::from_fn(|lane| value(lane)[k] as f32)),
-            uneven: Lanes::from(array::from_fn(|lane| even.get(lane).is_some_and(Option::is_none))),
+            p: [[NOWHERE; WIDTH]; 3],
+            ng: [[0.0; WIDTH]; 3],
+            side: [0.0; WIDTH],
+            ns: [[0.0; WIDTH]; 3],
+            eye: [[[0.0; WIDTH]; 3]; 2],
+            widest_eye: [0.0; WIDTH],
+            shared_above: [0.0; WIDTH],
+            f: [[0.0; WIDTH]; 3],
+            uneven: Lanes::NONE,
+        }
+    }
+
+    /// One of at most eight.
+    fn place(&mut self, lane: usize, point: &GatherPoint) {
+        let set = |vector: &mut Vec3Eight, value: Vec3| {
+            for (lanes, coordinate) in vector.iter_mut().zip(value.to_array()) {
+                lanes[lane] = coordinate as f32;
+            }
+        };
+        let side = |n: Normal3| 1.0f64.copysign(n.dot(point.wo));
+        set(&mut self.p, point.p - self.origin);
+        set(&mut self.ng, point.ng.to_vec());
+        set(&mut self.ns, point.ns * side(point.ns));
+        set(&mut self.eye[0], point.eye[0]);
+        set(&mut self.eye[1], point.eye[1]);
+        self.side[lane] = side(point.ng) as f32;
+        self.widest_eye[lane] = widest_eye(point) as f32;
+        self.shared_above[lane] = shared_above(point) as f32;
+        match point.bsdf.even_value(point.wo) {
+            Some(f) => set(&mut self.f, Vec3::from_array(f.to_array())),
+            None => self.uneven = self.uneven.with(lane),
         }
     }
 }
 
-fn curve_order(points: &[&GatherPoint]) -> Vec<u32> {
-    let curve = ZCurve::through(&Bounds3::from_points(points.iter().map(|point| point.p)));
-    let mut keyed: Vec<(u64, u32)> = (0..).zip(points).map(|(i, point)| (curve.code(point.p), i)).collect();
+/// A bound of the square of the eye footprint's semi-axes, m².
+fn widest_eye(point: &GatherPoint) -> f64 {
+    point.eye.iter().map(|axis| axis.length_squared()).sum()
+}
+
+/// [`Block::shared_above`]: the samples' footprints together cover their pixel.
+fn shared_above(point: &GatherPoint) -> f64 {
+    let samples = match point.asks {
+        Asks::All(turn) => f64::from(turn.of),
+        Asks::Drawn(_) => 1.0,
+    };
+    WIDE * WIDE * samples * widest_eye(point)
+}
+
+fn curve_order(points: &[GatherPoint], chosen: Vec<usize>) -> Vec<u32> {
+    let curve = ZCurve::through(&Bounds3::from_points(chosen.iter().map(|&i| points[i].p)));
+    let mut keyed: Vec<(u64, u32)> = chosen.into_iter().map(|i| (curve.code(points[i].p), i as u32)).collect();
     keyed.sort_unstable();
     keyed.into_iter().map(|(_, i)| i).collect()
 }

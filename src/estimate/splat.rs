@@ -44,6 +44,8 @@ pub struct Splat<'a> {
     slide: [f32; 3],
     wi: [f32; 3],
     flux: [f32; 3],
+    /// Square of the shorter semi-axis, m².
+    minor: f32,
     /// How far over the photon's plane its light reaches, m.
     thickness: f32,
     /// What limits |d_x|, |d_y| and the height for boxes that may be reached.
@@ -72,10 +74,21 @@ impl<'a> Splat<'a> {
             slide: narrow(slide),
             wi: narrow(photon.wi()),
             flux: photon.flux().0.to_array().map(|c| c as f32),
+            minor: minor as f32,
             thickness,
             // Boxes hold the eye's footprints: an axis of the sum of both is not longer than the sum of their axes.
             limits: [square[0].sqrt(), square[1].sqrt(), thickness].map(|limit| limit * (1.0 + MARGIN)),
         }
+    }
+
+    /// Whether some of the points ask for all by themselves.
+    pub fn may_be_narrow(&self, receivers: &Receivers) -> bool {
+        self.minor <= receivers.shared_above[1]
+    }
+
+    /// Whether some of the points take turns.
+    pub fn may_be_wide(&self, receivers: &Receivers) -> bool {
+        self.minor > receivers.shared_above[0]
     }
 
     /// Those of eight boxes of points that the footprint may reach: long thin footprints fill little of their own box.
@@ -104,7 +117,7 @@ impl<'a> Splat<'a> {
 
     /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², 0 where the footprint does not reach the point or belongs to another surface.
     #[inline(always)]
-    fn weights(&self, block: &Block) -> Option<Eight> {
+    fn weights(&self, block: &Block, part: Part) -> Option<Eight> {
         let base = (block.origin - self.position).as_vec3().to_array();
         let [a2, b2] = self.square;
         let (mut dx, mut dy, mut near) = ([0.0f32; WIDTH], [0.0f32; WIDTH], [false; WIDTH]);
@@ -117,6 +130,11 @@ impl<'a> Splat<'a> {
             let inside = b2 * (dx[i] * dx[i]) + a2 * (dy[i] * dy[i]) <= a2 * b2 * (1.0 + MARGIN);
             let height = dot(&self.n, &o);
             near[i] = inside & (height.abs() <= self.thickness);
+        }
+        if part != Part::Whole {
+            for i in 0..WIDTH {
+                near[i] &= (self.minor > block.shared_above[i]) == (part == Part::Wide);
+            }
         }
         if !Lanes::from(near).any() {
             return None;
@@ -188,9 +206,21 @@ fn dot(a: &[f32; 3], b: &[f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// For which of the points a footprint counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// For all.
+    Whole,
+    /// For those it is narrow for.
+    Narrow,
+    /// For those it is wide for.
+    Wide,
+}
+
 /// A splat with the points it goes to: what is compiled for each kind of processor.
 pub struct Splatting<'a, 'b> {
-    pub splat: Splat<'a>,
+    pub splat: &'b Splat<'a>,
+    pub part: Part,
     pub receivers: &'b mut Receivers<'a>,
 }
 
@@ -199,9 +229,9 @@ impl NullaryFnOnce for Splatting<'_, '_> {
 
     #[inline(always)]
     fn call(self) {
-        let Splatting { splat, receivers } = self;
+        let Splatting { splat, part, receivers } = self;
         let Receivers { tree, blocks, sums, weighed, .. } = receivers;
-        let mut over = OverBlocks { splat: &splat, blocks, sums, weighed, uneven: Vec::new() };
+        let mut over = OverBlocks { splat, part, blocks, sums, weighed, uneven: Vec::new() };
         tree.lead(&mut over);
         for (b, weights) in over.uneven {
             splat.add_uneven(&weights, receivers, b);
@@ -212,6 +242,7 @@ impl NullaryFnOnce for Splatting<'_, '_> {
 /// On its way through the blocks.
 struct OverBlocks<'a> {
     splat: &'a Splat<'a>,
+    part: Part,
     blocks: &'a [Block],
     sums: &'a mut [Sums],
     weighed: &'a mut u64,
@@ -227,7 +258,7 @@ impl Visitor for OverBlocks<'_> {
     #[inline(always)]
     fn visit(&mut self, b: usize) -> ControlFlow<()> {
         *self.weighed += WIDTH as u64;
-        if let Some(weights) = self.splat.weights(&self.blocks[b]) {
+        if let Some(weights) = self.splat.weights(&self.blocks[b], self.part) {
             self.splat.add(&weights, &self.blocks[b], &mut self.sums[b]);
             if self.blocks[b].uneven.any() {
                 self.uneven.push((b, weights));

@@ -42,7 +42,7 @@ impl TangentForm {
     /// splatted asks for it. The smaller one comes from the determinant, where their difference would have cancelled.
     pub fn principal(&self) -> ([f64; 2], Vec2) {
         let half = 0.5 * (self.xx - self.yy);
-        let radius = half.hypot(self.xy);
+        let radius = (half * half + self.xy * self.xy).sqrt();
         let major = 0.5 * self.trace() + radius;
         let minor = if major > 0.0 { (self.determinant() / major).max(0.0) } else { 0.0 };
         let along = if half >= 0.0 { Vec2::new(half + radius, self.xy) } else { Vec2::new(self.xy, radius - half) };

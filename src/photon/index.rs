@@ -105,6 +105,12 @@ impl From<[bool; WIDTH]> for Lanes {
 }
 
 impl Lanes {
+    pub const NONE: Lanes = Lanes(0);
+
+    /// This one too.
+    pub fn with(self, lane: usize) -> Lanes {
+        Lanes(self.0 | 1 << lane)
+    }
     #[inline(always)]
     pub fn any(self) -> bool {
         self.0 != 0

@@ -5,11 +5,11 @@ use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::camera::{Camera, filter_offset};
-use crate::estimate::{Estimate, GatherPoint, bandwidth};
+use crate::estimate::{Estimate, GatherPoint, Turn, bandwidth};
 use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
+use crate::sampling::PixelSamples;
 use crate::sampling::warp::{ConcentricDisk, Warp};
-use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::RenderSettings;
 use crate::scene::settings::Estimator;
 
@@ -92,8 +92,9 @@ impl Exposure<'_> {
         let mut owners = Vec::new();
         for y in bounds.y0..bounds.y1 {
             for x in bounds.x0..bounds.x1 {
+                let pixel = PixelSamples::new(self.settings.seed, self.pass, self.number(x, y), self.settings.spp);
                 for s in 0..self.settings.spp {
-                    samples.push((x, y, self.eye_sample(x, y, s, &mut queries)));
+                    samples.push((x, y, self.eye_sample(x, y, s, &pixel, &mut queries)));
                     owners.resize(queries.len(), samples.len() - 1);
                 }
             }
@@ -107,20 +108,21 @@ impl Exposure<'_> {
         tile
     }
 
-    fn eye_sample(&self, x: u32, y: u32, s: u32, queries: &mut Vec<Query>) -> EyeSample {
+    /// The pixel's number in the whole picture.
+    fn number(&self, x: u32, y: u32) -> u64 {
+        u64::from(y) * u64::from(self.tracer.world.scene.camera.resolution[0]) + u64::from(x)
+    }
+
+    fn eye_sample(&self, x: u32, y: u32, s: u32, samples: &PixelSamples, queries: &mut Vec<Query>) -> EyeSample {
         let world = self.tracer.world;
-        let resolution = world.scene.camera.resolution;
-        let pixel = u64::from(y) * u64::from(resolution[0]) + u64::from(x);
-        // Sample 0 of the pixel's own index range is its lattice shift.
-        let stream_of =
-            |s: u32| Stream::new(self.settings.seed, Purpose::Camera, self.pass, pixel << 24 | u64::from(s));
-        let shift = stream_of(0).uniform2();
-        let mut stream = stream_of(s + 1);
-        let u = qmc::shifted(qmc::golden_lattice(s.into(), self.settings.spp.into()), shift);
+        let settings = self.settings;
+        let start = samples.get(s);
         let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-        let lens = ConcentricDisk.sample(stream.uniform2());
-        let ray = self.camera.ray(centre + filter_offset(world.scene.camera.filter, u), lens);
-        let mut sample = self.tracer.trace(&ray, &mut stream, queries);
+        let offset = filter_offset(world.scene.camera.filter, start.raster);
+        let ray = self.camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
+        let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);
+        let turn = Turn { index: s, of: settings.spp };
+        let mut sample = self.tracer.trace(&ray, &start, turn, stream, queries);
         // The path knows distances; the layer is depth along the view axis.
         sample.depth = sample.depth.map(|t| self.camera.depth(ray.ray.at(t)));
         sample

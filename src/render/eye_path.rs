@@ -8,11 +8,11 @@
 
 use crate::camera::CameraRay;
 use crate::differential::{Differential, Refraction, reflect, refract, transfer};
-use crate::estimate::{Asks, GatherPoint};
+use crate::estimate::{Asks, GatherPoint, Turn};
 use crate::film::EyeSample;
 use crate::math::{Dir3, Point3, Ray, Vec3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
-use crate::sampling::Stream;
+use crate::sampling::{PixelSample, Stream};
 use crate::surface::{Bsdf, BsdfSample, Event, Interaction, TransportMode};
 use crate::world::World;
 
@@ -51,6 +51,10 @@ const ROULETTE_FROM: u32 = 5;
 /// A path under way.
 struct Walk {
     ray: Ray,
+    turn: Turn,
+    /// What is drawn first at a vertex that scatters: which light and where on it, which lobe and whither.
+    first_light: Option<(f64, [f64; 2])>,
+    first_bounce: Option<(f64, [f64; 2])>,
     w: Dir3,
     differential: Differential<2>,
     beta: Spectrum,
@@ -63,11 +67,22 @@ struct Walk {
 }
 
 impl EyePathTracer<'_> {
-    /// Traces one path; vertices for the photon map are appended to `queries`.
-    pub fn trace(&self, camera_ray: &CameraRay, stream: &mut Stream, queries: &mut Vec<Query>) -> EyeSample {
+    /// Traces one path, the sample of its pixel that `turn` says: it begins with the numbers of `start` and goes on with
+    /// those of `stream`. Vertices for the photon map are appended to `queries`.
+    pub fn trace(
+        &self,
+        camera_ray: &CameraRay,
+        start: &PixelSample,
+        turn: Turn,
+        mut stream: Stream,
+        queries: &mut Vec<Query>,
+    ) -> EyeSample {
         let mut sample = EyeSample::default();
         let mut walk = Walk {
             ray: camera_ray.ray,
+            turn,
+            first_light: Some((start.choices[0], start.light)),
+            first_bounce: Some((start.choices[1], start.bounce)),
             w: camera_ray.direction,
             differential: camera_ray.differential,
             beta: Spectrum::ONE,
@@ -93,14 +108,14 @@ impl EyePathTracer<'_> {
                     sample.albedo = bsdf.albedo(si.wo);
                 }
                 if self.finds != EyeFinds::Emitters {
-                    self.add_direct_light(&walk, &si, &bsdf, stream, &mut sample);
+                    self.add_direct_light(&mut walk, &si, &bsdf, &mut stream, &mut sample);
                 }
                 if self.finds == EyeFinds::AllButCaustics {
-                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter, stream));
+                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter, &mut stream));
                 }
                 seen_scatter = true;
             }
-            if !self.advance(&mut walk, &si, &bsdf, edge, stream) {
+            if !self.advance(&mut walk, &si, &bsdf, edge, &mut stream) {
                 break;
             }
         }
@@ -109,7 +124,8 @@ impl EyePathTracer<'_> {
 
     /// Samples the next direction; false where the path ends.
     fn advance(&self, walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &mut Stream) -> bool {
-        let (uc, u) = (stream.uniform(), stream.uniform2());
+        let first = if bsdf.has_scatter() { walk.first_bounce.take() } else { None };
+        let (uc, u) = first.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let Some(next) = bsdf.sample(si.wo, uc, u, TransportMode::Radiance) else { return false };
         walk.beta *= next.weight;
         match next.event {
@@ -180,13 +196,13 @@ impl EyePathTracer<'_> {
 
     fn add_direct_light(
         &self,
-        walk: &Walk,
+        walk: &mut Walk,
         si: &Interaction,
         bsdf: &Bsdf,
         stream: &mut Stream,
         sample: &mut EyeSample,
     ) {
-        let (choice, u) = (stream.uniform(), stream.uniform2());
+        let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let Some(choice) = self.world.lights.pick(choice) else { return };
         let Some(found) = self.world.lights.get(choice.light).sample_li(si.p, u) else { return };
         let f = bsdf.f(si.wo, found.wi, TransportMode::Radiance) * si.ns.dot(found.wi).abs();
@@ -207,7 +223,7 @@ impl EyePathTracer<'_> {
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
         let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
-        let asks = if walk.bounces == 0 { Asks::All } else { Asks::Drawn(stream.uniform()) };
+        let asks = if walk.bounces == 0 { Asks::All(walk.turn) } else { Asks::Drawn(stream.uniform()) };
         let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
         Query { point, beta: walk.beta, first }
     }

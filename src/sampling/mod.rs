@@ -2,8 +2,10 @@
 
 pub mod discrete;
 pub mod lattice;
+pub mod pixel;
 pub mod qmc;
 pub mod stream;
 pub mod warp;
 
+pub use pixel::{PixelSample, PixelSamples};
 pub use stream::{Purpose, Stream};

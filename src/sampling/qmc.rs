@@ -49,12 +49,18 @@ pub fn stratum(i: u64, n: u64, aspect: f64, offset: [f64; 2]) -> [f64; 2] {
 
 /// A permutation of 0..n: multiplication by a unit of ℤ/n near n/φ, then a rotation.
 pub fn permuted(i: u64, n: u64, rotation: u64) -> u64 {
+    ((u128::from(reordered(i, n, 1)) + u128::from(rotation)) % u128::from(n)) as u64
+}
+
+/// The k-th of a family of permutations of 0..n: multiplication by a unit of ℤ/n near n · frac(k/φ). The 0th changes
+/// nothing.
+pub fn reordered(i: u64, n: u64, k: u64) -> u64 {
     let modulus = u128::from(n);
-    let mut factor = ((n as f64 * GOLDEN) as u128).max(1);
+    let mut factor = ((n as f64 * multiple(k, GOLDEN)) as u128).max(1);
     while gcd(factor, modulus) != 1 {
         factor += 1;
     }
-    ((u128::from(i) * factor + u128::from(rotation)) % modulus) as u64
+    (u128::from(i) * factor % modulus) as u64
 }
 
 fn gcd(a: u128, b: u128) -> u128 {
@@ -86,6 +92,11 @@ mod tests {
                 seen[permuted(i, n, 5) as usize] = true;
             }
             assert!(seen.iter().all(|&s| s), "{n}");
+            for k in 0..5 {
+                let mut places: Vec<u64> = (0..n).map(|i| reordered(i, n, k)).collect();
+                places.sort_unstable();
+                assert!(places.into_iter().eq(0..n), "{n} {k}");
+            }
         }
     }
 
