@@ -12,9 +12,9 @@ use super::record::Photon;
 use crate::math::{Bounds3, Vec3};
 use crate::scene::LightId;
 
-/// Footprints over a point that a stratum keeps: their mean is then known to some twenty per cent, which tells little
-/// beside the noise of a path that bounced.
-const STRATUM_COVERAGE: f64 = 16.0;
+/// Footprints over a point that a stratum keeps: their mean is then known to some ten per cent. Fewer would part a
+/// lattice's photons, whose evenness needs all of them at one point, among a pixel's samples.
+const STRATUM_COVERAGE: f64 = 64.0;
 /// At most so many strata.
 const MAX_STRATA: usize = 32;
 /// Photons at which coverage is measured, and photons whose footprints are tried there.

@@ -16,9 +16,8 @@ use crate::scene::LightId;
 const PILOTS: u64 = 512;
 
 /// How many times more footprints cover a point than with cells of 1/n, at most. What noise is left in one pass falls with
-/// it, the blur and the estimate's work grow. In `ball`, with 200 000 photons and with a million, 32 left the noise ten
-/// times the blur, 512 the blur above the noise.
-pub const MAX_OVERLAP: f64 = 128.0;
+/// it, the blur and the estimate's work grow: 128 is better in `ball`, and worse in `ring` (`src/doc/performance.md`).
+pub const MAX_OVERLAP: f64 = 32.0;
 
 /// The cell of one photon, as fractions of the two unit squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
