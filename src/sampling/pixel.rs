@@ -7,11 +7,15 @@
 use super::qmc;
 use super::{Purpose, Stream};
 
+const PAIRS: usize = 5;
+
 /// The samples of one pixel in one pass.
 #[derive(Clone, Debug)]
 pub struct PixelSamples {
     samples: u64,
-    shifts: [[f64; 2]; 5],
+    shifts: [[f64; 2]; PAIRS],
+    /// Each pair's order, by what a sample's number is multiplied with.
+    units: [u64; PAIRS],
 }
 
 /// Numbers of one sample.
@@ -33,7 +37,9 @@ impl PixelSamples {
     /// Of `samples` > 0 in the pixel numbered `pixel`.
     pub fn new(seed: u64, pass: u32, pixel: u64, samples: u32) -> PixelSamples {
         let mut stream = PixelSamples::stream_of(seed, pass, pixel, 0);
-        PixelSamples { samples: samples.into(), shifts: std::array::from_fn(|_| stream.uniform2()) }
+        let samples = samples.into();
+        let units = std::array::from_fn(|k| qmc::unit(samples, k as u64));
+        PixelSamples { samples, shifts: std::array::from_fn(|_| stream.uniform2()), units }
     }
 
     /// The random numbers of sample `i`'s own path, for all that comes after.
@@ -48,7 +54,7 @@ impl PixelSamples {
 
     pub fn get(&self, i: u32) -> PixelSample {
         let [raster, lens, light, bounce, choices] = std::array::from_fn(|k| {
-            let place = qmc::reordered(i.into(), self.samples, k as u64);
+            let place = u64::from(i) * self.units[k] % self.samples;
             qmc::shifted(qmc::golden_lattice(place, self.samples), self.shifts[k])
         });
         PixelSample { raster, lens, light, bounce, choices }

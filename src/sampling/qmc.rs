@@ -55,15 +55,19 @@ pub fn permuted(i: u64, n: u64, rotation: u64) -> u64 {
 /// The k-th of a family of permutations of 0..n: multiplication by a unit of ℤ/n near n · frac(k/φ). The 0th changes
 /// nothing.
 pub fn reordered(i: u64, n: u64, k: u64) -> u64 {
-    let modulus = u128::from(n);
-    let mut factor = ((n as f64 * multiple(k, GOLDEN)) as u128).max(1);
-    while gcd(factor, modulus) != 1 {
-        factor += 1;
-    }
-    (u128::from(i) * factor % modulus) as u64
+    (u128::from(i) * u128::from(unit(n, k)) % u128::from(n)) as u64
 }
 
-fn gcd(a: u128, b: u128) -> u128 {
+/// The unit of ℤ/n that [`reordered`] multiplies by.
+pub fn unit(n: u64, k: u64) -> u64 {
+    let mut factor = ((n as f64 * multiple(k, GOLDEN)) as u64).max(1);
+    while gcd(factor, n) != 1 {
+        factor += 1;
+    }
+    factor
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
