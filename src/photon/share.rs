@@ -15,9 +15,11 @@ use crate::scene::LightId;
 /// Pilot photons of a light; their mean logarithm of B/D is known to a few per cent.
 const PILOTS: u64 = 512;
 
-/// How many times more footprints cover a point than with cells of 1/n, at most. What noise is left in one pass falls with
-/// it, the blur and the estimate's work grow: 128 is better in `ball`, and worse in `ring` (`src/doc/performance.md`).
-pub const MAX_OVERLAP: f64 = 32.0;
+/// Up to so many footprints over a point, cells fill positions × directions.
+pub const FULL_OVERLAP: f64 = 32.0;
+/// With more, what noise is left falls with the overlap and the blur grows. Their sum is least for sides of the cells about
+/// a quarter of what would fill, of many photons and of few, on lamps wide and narrow (`src/doc/performance.md`).
+const FILL: f64 = 0.25;
 
 /// The cell of one photon, as fractions of the two unit squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,12 +43,13 @@ impl Share {
     /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
     ///
     /// Cells that fill positions × directions, p d = 1/n, have parts of the area f = B D/√n. Their overlap, about
-    /// 2 n f/(B² + D²), grows like √n and so does the work; from [`MAX_OVERLAP`] on cells shrink like 1/n instead and passes
-    /// do the rest. A pair too small to be cut is one cell, and the other pair gets all n.
+    /// 2 n f/(B² + D²), grows like √n: at [`FULL_OVERLAP`] they shrink to [`FILL`] of that. A pair too small to be cut is
+    /// one cell, and the other pair gets all n.
     pub fn equal_parts(n: u64, ratio: f64) -> Share {
         let n = n as f64;
         // In units of D².
-        let part = (ratio / n.sqrt()).min(0.5 * MAX_OVERLAP * (1.0 + ratio * ratio) / n);
+        let filling = ratio / n.sqrt();
+        let part = filling.min((FILL * filling).max(0.5 * FULL_OVERLAP * (1.0 + ratio * ratio) / n));
         Share { positions: (part / (ratio * ratio)).clamp(1.0 / n, 1.0), directions: part.clamp(1.0 / n, 1.0) }
     }
 
@@ -109,12 +112,25 @@ mod tests {
     }
 
     #[test]
-    fn both_parts_are_equally_wide_and_their_overlap_bounded() {
-        for (n, ratio) in [(20_000u64, 0.3), (1_000_000, 0.05), (1_000_000, 1.2)] {
+    fn both_parts_are_equally_wide_and_fill_a_part_of_the_space() {
+        for (n, ratio) in [(20_000u64, 0.3f64), (1_000_000, 0.05), (1_000_000, 1.2)] {
             let share = Share::equal_parts(n, ratio);
             assert!((share.positions * ratio * ratio / share.directions - 1.0).abs() < 1e-9, "{share:?}");
-            assert!(2.0 * n as f64 * share.directions <= MAX_OVERLAP * (1.0 + ratio * ratio) * (1.0 + 1e-12));
+            let fill = (share.positions * share.directions * n as f64).sqrt();
+            assert!((fill - FILL).abs() < 1e-9 || (fill > FILL && fill < 1.0), "{fill}");
         }
+    }
+
+    /// The overlap 2 n d/(B² + D²), in units of D: all of it at first, then [`FULL_OVERLAP`], then as √n.
+    #[test]
+    fn the_overlap_grows_without_steps() {
+        let ratio = 0.3;
+        let overlap = |n: u64| 2.0 * n as f64 * Share::equal_parts(n, ratio).directions / (1.0 + ratio * ratio);
+        let filling = |n: u64| 2.0 * (n as f64).sqrt() * ratio / (1.0 + ratio * ratio);
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
+        assert!(close(overlap(1000), filling(1000)) && filling(1000) < FULL_OVERLAP);
+        assert!(close(overlap(20_000), FULL_OVERLAP));
+        assert!(close(overlap(4_000_000), FILL * filling(4_000_000)) && FILL * filling(4_000_000) > FULL_OVERLAP);
     }
 
     #[test]
