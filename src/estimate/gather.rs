@@ -47,8 +47,8 @@ pub enum Asks {
     /// All of them; or, of those whose footprints are much wider than the pixel, the point's share in turn with the
     /// pixel's other samples.
     All(Turn),
-    /// The stratum that this number in [0, 1) draws, for all: unbiased, and enough behind a diffuse bounce, whose own
-    /// noise is greater.
+    /// The slice of a stratum that this number in [0, 1) draws, for all: unbiased, and enough behind a diffuse bounce,
+    /// whose own noise is greater.
     Drawn(f64),
 }
 
@@ -94,8 +94,11 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
     let drawn = |point: &GatherPoint| match point.asks {
         Asks::All(_) => Gathered::default(),
         Asks::Drawn(u) => {
-            let of_all = look_up(map, &strata[(u * strata.len() as f64) as usize], kernel, point);
-            let weight = strata.len() as f64;
+            let slices = strata.len() * map.slices();
+            let drawn = (u * slices as f64) as usize;
+            let (stratum, lanes) = (&strata[drawn % strata.len()], Lanes::every(map.slices(), drawn / strata.len()));
+            let of_all = look_up(map, stratum, lanes, kernel, point);
+            let weight = slices as f64;
             Gathered { radiance: of_all.radiance * weight, density: of_all.density * weight }
         }
     };
@@ -159,10 +162,11 @@ fn splat_all(
     }
 }
 
-/// The sum over a stratum's photons whose footprints' boxes hold the point.
-fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &GatherPoint) -> Gathered {
+/// The sum over those of a stratum's photons in `lanes` of its tree whose footprints' boxes hold the point.
+fn look_up(map: &PhotonMap, stratum: &Stratum, lanes: Lanes, kernel: KernelShape, point: &GatherPoint) -> Gathered {
     struct LookUp<'a> {
         photons: &'a [Photon],
+        lanes: Lanes,
         kernel: KernelShape,
         point: &'a GatherPoint,
         place: OuterBox,
@@ -170,8 +174,9 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &Gath
         sum: Gathered,
     }
     impl Visitor for LookUp<'_> {
-        fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
-            boxes.overlapping(&self.place)
+        fn enter(&mut self, level: usize, boxes: &Boxes) -> Lanes {
+            let over = boxes.overlapping(&self.place);
+            if level == 0 { over.and(self.lanes) } else { over }
         }
         fn visit(&mut self, j: usize) -> ControlFlow<()> {
             self.weighed += 1;
@@ -185,7 +190,7 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, kernel: KernelShape, point: &Gath
         }
     }
     let (photons, sum) = (map.photons_of(stratum), Gathered::default());
-    let mut look_up = LookUp { photons, kernel, point, place: point.outer_box(), weighed: 0, sum };
+    let mut look_up = LookUp { photons, lanes, kernel, point, place: point.outer_box(), weighed: 0, sum };
     stratum.tree.lead(&mut look_up);
     map.weighed.fetch_add(look_up.weighed, Ordering::Relaxed);
     look_up.sum
@@ -264,21 +269,21 @@ mod tests {
 
     /// Over all numbers that can be drawn, the mean of the strata's answers is what all photons say together.
     #[test]
-    fn strata_answer_for_all_photons_in_the_mean() {
+    fn slices_answer_for_all_photons_in_the_mean() {
         let map = map(random_photons(4000));
-        let strata = map.strata().len();
-        assert!(strata > 4, "footprints as wide as these are worth strata, not {strata}");
+        assert!(map.strata().len() > 4 && map.slices() > 1, "footprints as wide as these are worth more");
+        let slices = map.strata().len() * map.slices();
         let mut centre = point(Point3::new(0.5, 0.5, 0.0), Normal3::Z, [Vec3::ZERO; 2]);
         let all = gather(&map, KernelShape::Triweight, &[centre])[0];
-        let drawn: Vec<f64> = (0..strata)
+        let drawn: Vec<f64> = (0..slices)
             .map(|k| {
-                centre.asks = Asks::Drawn((k as f64 + 0.5) / strata as f64);
+                centre.asks = Asks::Drawn((k as f64 + 0.5) / slices as f64);
                 gather(&map, KernelShape::Triweight, &[centre])[0].density
             })
             .collect();
-        let mean = drawn.iter().sum::<f64>() / strata as f64;
+        let mean = drawn.iter().sum::<f64>() / slices as f64;
         assert!((mean / all.density - 1.0).abs() < 1e-6, "{mean} against {}", all.density);
-        assert!(drawn.iter().any(|d| (d / all.density - 1.0).abs() > 1e-3), "strata are all the same");
+        assert!(drawn.iter().any(|d| (d / all.density - 1.0).abs() > 1e-3), "slices are all the same");
     }
 
     /// Samples at one place that take turns say together what each of them would say alone, however many there are of them

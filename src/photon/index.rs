@@ -107,6 +107,10 @@ impl From<[bool; WIDTH]> for Lanes {
 impl Lanes {
     pub const NONE: Lanes = Lanes(0);
 
+    /// Every `step`-th from `first` on.
+    pub fn every(step: usize, first: usize) -> Lanes {
+        (first..WIDTH).step_by(step).fold(Lanes::NONE, Lanes::with)
+    }
     /// This one too.
     pub fn with(self, lane: usize) -> Lanes {
         Lanes(self.0 | 1 << lane)

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU64;
 
 use rayon::prelude::*;
 
-use super::index::{BoxTree, OuterBox};
+use super::index::{BoxTree, OuterBox, WIDTH};
 use super::order::{self, ZCurve};
 use super::path::PhotonCounts;
 use super::record::Photon;
@@ -17,6 +17,9 @@ use crate::scene::LightId;
 const STRATUM_COVERAGE: f64 = 64.0;
 /// At most so many strata.
 const MAX_STRATA: usize = 32;
+/// Footprints over a point that a slice of a stratum keeps: a quarter of their light is noise, less than a diffuse bounce
+/// has by itself.
+const SLICE_COVERAGE: f64 = 16.0;
 /// Photons at which coverage is measured, and photons whose footprints are tried there.
 const COVERAGE_PROBES: usize = 256;
 const COVERAGE_SAMPLE: usize = 16_384;
@@ -32,6 +35,7 @@ pub struct PhotonMap {
     /// What became of each light's photons, in the order of the scene's lights.
     pub by_light: Vec<PhotonCounts>,
     strata: Vec<Stratum>,
+    slices: usize,
     /// Pairs of a photon and a point that the estimate has weighed so far: what the work was.
     pub weighed: AtomicU64,
 }
@@ -71,7 +75,8 @@ impl PhotonHarvest {
     pub fn into_map(self) -> PhotonMap {
         let PhotonHarvest { mut photons, counts, by_light } = self;
         let ranks = ranks(&photons);
-        let m = strata_for(&photons, &ranks);
+        let coverage = coverage(&photons, &ranks);
+        let m = strata_for(coverage);
         let ends: Vec<usize> = (0..=m).map(|k| first_of_stratum(photons.len(), m, k)).collect();
         arrange(&mut photons, |place| {
             let k = ends.partition_point(|&end| end <= place) - 1;
@@ -83,7 +88,8 @@ impl PhotonHarvest {
             Stratum { photons: range, tree: BoxTree::build(own.len(), |i| footprint_box(&own[i])) }
         };
         let strata = ends.windows(2).map(|w| stratum(w[0]..w[1])).collect();
-        PhotonMap { photons, counts, by_light, strata, weighed: AtomicU64::new(0) }
+        let slices = slices_for(coverage / m as f64);
+        PhotonMap { photons, counts, by_light, strata, slices, weighed: AtomicU64::new(0) }
     }
 }
 
@@ -96,6 +102,11 @@ impl PhotonMap {
     /// Trees over the footprints, none of which is in two.
     pub fn strata(&self) -> &[Stratum] {
         &self.strata
+    }
+
+    /// How many slices a stratum has: lane l of all nodes of its tree belongs to slice l modulo this, of 1, 2, 4 or 8.
+    pub fn slices(&self) -> usize {
+        self.slices
     }
 
     /// Bytes of photons and trees.
@@ -156,8 +167,13 @@ fn arrange<T: Copy>(items: &mut [T], source: impl Fn(usize) -> usize) {
 }
 
 /// How many strata keep [`STRATUM_COVERAGE`] footprints over a point.
-fn strata_for(photons: &[Photon], ranks: &[u32]) -> usize {
-    ((coverage(photons, ranks) / STRATUM_COVERAGE) as usize).clamp(1, MAX_STRATA)
+fn strata_for(coverage: f64) -> usize {
+    ((coverage / STRATUM_COVERAGE) as usize).clamp(1, MAX_STRATA)
+}
+
+/// How many slices of a stratum keep [`SLICE_COVERAGE`] footprints over a point.
+fn slices_for(coverage: f64) -> usize {
+    1 << ((coverage / SLICE_COVERAGE) as usize).clamp(1, WIDTH).ilog2()
 }
 
 /// About the mean number of footprint boxes over a photon.
