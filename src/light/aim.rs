@@ -7,7 +7,7 @@ use crate::sampling::warp::{UniformCone, UniformSphere, Warp};
 
 /// A cone of directions about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cone {
+pub struct Cone {
     pub frame: Frame,
     pub warp: UniformCone,
 }
@@ -73,7 +73,7 @@ impl Cone {
 
 /// All directions that can matter from a point, uniformly.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Directions {
+pub enum Directions {
     Sphere,
     Cone(Cone),
 }

@@ -12,6 +12,7 @@ mod point;
 pub mod select;
 mod spot;
 
+pub use aim::Directions;
 pub use area::AreaLight;
 pub use assemble::{LightError, Lights};
 pub use directional::DirectionalLight;

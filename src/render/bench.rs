@@ -1,6 +1,5 @@
 //! How fast the phases of a pass are, on one thread and on all, and how fast the ray library alone is on the same rays.
 
-use std::cell::OnceCell;
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
@@ -146,7 +145,7 @@ impl Run {
         let map = harvest.into_map();
         end(2);
         let expose = |estimate: Option<&Estimate>| {
-            let job = Job { world, camera: camera.clone(), watch: &unattended, plans: OnceCell::new() };
+            let job = Job::new(world, camera.clone(), &unattended);
             let whole = PixelBounds::whole(world.scene.camera.resolution);
             let mut state = RenderState::new(world, whole, 0);
             // Nobody stops it.

@@ -44,6 +44,7 @@ pub fn expose(job: &Job, finds: EyeFinds, estimate: Option<&Estimate>, state: &m
             finds,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
+            bounces: job.bounces(finds),
             sample_radius: eye_radius(settings, pass),
         },
         estimate,

@@ -6,6 +6,7 @@
 //! over a delta event after a scattering vertex, and nothing else: E S* L stays its own, and shadow rays never cross
 //! a delta lobe.
 
+use super::bounce::Bounces;
 use crate::camera::CameraRay;
 use crate::differential::{Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
@@ -41,6 +42,8 @@ pub struct EyePathTracer<'a> {
     pub finds: EyeFinds,
     pub max_depth: u32,
     pub max_bounces: u32,
+    /// How directions are drawn where a path scatters.
+    pub bounces: Bounces,
     /// Semi-axes of an eye sample's footprint, in pixels.
     pub sample_radius: f64,
 }
@@ -64,21 +67,26 @@ struct Walk {
     chain: u32,
     /// Where the last scattering event was and the density of its direction.
     scattered: Option<(Point3, Pdf<SolidAngle>)>,
+    /// The first one, and what has come back from there.
+    returned: Option<Returned>,
 }
 
-impl EyePathTracer<'_> {
-    /// Traces one path, the sample of its pixel that `turn` says: it begins with the numbers of `start` and goes on with
-    /// those of `stream`. Vertices for the photon map are appended to `queries`.
-    pub fn trace(
-        &self,
-        camera_ray: &CameraRay,
-        start: &PixelSample,
-        turn: Turn,
-        mut stream: Stream,
-        queries: &mut Vec<Query>,
-    ) -> EyeSample {
-        let mut sample = EyeSample::default();
-        let mut walk = Walk {
+/// What the first bounce of a path brought back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Returned {
+    pub from: Point3,
+    pub wi: Dir3,
+    /// Of `wi`.
+    pub pdf: Pdf<SolidAngle>,
+    /// Mean of the channels, as part of the sample: light found at its end and all light scattered there or later.
+    pub light: f64,
+    /// What the sample has beside it.
+    pub anyhow: f64,
+}
+
+impl Walk {
+    fn new(camera_ray: &CameraRay, start: &PixelSample, turn: Turn) -> Walk {
+        Walk {
             ray: camera_ray.ray,
             turn,
             first_light: Some((start.choices[0], start.light)),
@@ -89,18 +97,53 @@ impl EyePathTracer<'_> {
             bounces: 0,
             chain: 0,
             scattered: None,
-        };
+            returned: None,
+        }
+    }
+
+    /// Counts light that came back from behind the first bounce.
+    fn count(&mut self, light: Spectrum) {
+        if let Some(returned) = &mut self.returned {
+            returned.light += light.mean();
+        }
+    }
+}
+
+impl EyePathTracer<'_> {
+    /// Traces one path, the sample of its pixel that `turn` says: it begins with the numbers of `start` and goes on with
+    /// those of `stream`. Vertices for the photon map are appended to `queries`.
+    pub fn trace(
+        &self,
+        camera_ray: &CameraRay,
+        start: &PixelSample,
+        turn: Turn,
+        stream: Stream,
+        queries: &mut Vec<Query>,
+    ) -> EyeSample {
+        self.follow(&mut Walk::new(camera_ray, start, turn), stream, queries)
+    }
+
+    /// Traces a path to learn from; `None` if it never scatters.
+    pub fn pilot(&self, camera_ray: &CameraRay, start: &PixelSample, stream: Stream) -> Option<Returned> {
+        let mut walk = Walk::new(camera_ray, start, Turn::ALONE);
+        let sample = self.follow(&mut walk, stream, &mut Vec::new());
+        let returned = walk.returned?;
+        Some(Returned { anyhow: (sample.direct + sample.indirect).mean() - returned.light, ..returned })
+    }
+
+    fn follow(&self, walk: &mut Walk, mut stream: Stream, queries: &mut Vec<Query>) -> EyeSample {
+        let mut sample = EyeSample::default();
         let mut seen_scatter = false;
         for edge in 1..=self.max_depth {
             let Some(si) = self.world.intersect(&walk.ray) else {
-                self.add_environment(&walk, &mut sample);
+                self.add_environment(walk, &mut sample);
                 break;
             };
             if edge == 1 {
                 sample.depth = Some(si.t);
             }
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
-            self.add_emission(&walk, &si, &mut sample);
+            self.add_emission(walk, &si, &mut sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
             if bsdf.has_scatter() && walk.bounces <= self.max_bounces {
                 if !seen_scatter {
@@ -108,14 +151,14 @@ impl EyePathTracer<'_> {
                     sample.albedo = bsdf.albedo(si.wo);
                 }
                 if self.finds != EyeFinds::Emitters {
-                    self.add_direct_light(&mut walk, &si, &bsdf, &mut stream, &mut sample);
+                    self.add_direct_light(walk, &si, &bsdf, &mut stream, &mut sample);
                 }
                 if self.finds == EyeFinds::AllButCaustics {
-                    queries.push(self.query(&walk, &si, bsdf, !seen_scatter, &mut stream));
+                    queries.push(self.query(walk, &si, bsdf, !seen_scatter, &mut stream));
                 }
                 seen_scatter = true;
             }
-            if !self.advance(&mut walk, &si, &bsdf, edge, &mut stream) {
+            if !self.advance(walk, &si, &bsdf, edge, &mut stream) {
                 break;
             }
         }
@@ -126,7 +169,7 @@ impl EyePathTracer<'_> {
     fn advance(&self, walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &mut Stream) -> bool {
         let first = if bsdf.has_scatter() { walk.first_bounce.take() } else { None };
         let (uc, u) = first.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(next) = bsdf.sample(si.wo, uc, u, TransportMode::Radiance) else { return false };
+        let Some(next) = self.bounces.sample(si, bsdf, uc, u) else { return false };
         walk.beta *= next.weight;
         match next.event {
             Event::Scatter { pdf } => {
@@ -136,6 +179,8 @@ impl EyePathTracer<'_> {
                 walk.bounces += 1;
                 walk.chain = 0;
                 walk.scattered = Some((si.p, pdf));
+                let first = Returned { from: si.p, wi: next.wi, pdf, light: 0.0, anyhow: 0.0 };
+                walk.returned.get_or_insert(first);
                 walk.differential = Differential::ZERO;
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
@@ -151,29 +196,31 @@ impl EyePathTracer<'_> {
         true
     }
 
-    fn add_emission(&self, walk: &Walk, si: &Interaction, sample: &mut EyeSample) {
+    fn add_emission(&self, walk: &mut Walk, si: &Interaction, sample: &mut EyeSample) {
         let Some(id) = self.world.scene.objects[si.object.index()].light else { return };
         let lights = &self.world.lights;
         let light = lights.get(id);
         let radiance = light.radiance(si.ng, si.wo).0;
         if !radiance.is_black() {
-            let next_event = |from| light.pdf_li(from, walk.w, si.p, si.ng) * lights.pick_pmf(id);
+            let w = walk.w;
+            let next_event = |from| light.pdf_li(from, w, si.p, si.ng) * lights.pick_pmf(id);
             self.add_found(walk, radiance, sample, next_event);
         }
     }
 
-    fn add_environment(&self, walk: &Walk, sample: &mut EyeSample) {
+    fn add_environment(&self, walk: &mut Walk, sample: &mut EyeSample) {
         let lights = &self.world.lights;
         let radiance = lights.environment_radiance(walk.w).0;
         if !radiance.is_black() {
-            self.add_found(walk, radiance, sample, |_| lights.environment_pdf(walk.w));
+            let w = walk.w;
+            self.add_found(walk, radiance, sample, |_| lights.environment_pdf(w));
         }
     }
 
     /// Adds light that the path ran into, weighted against next-event estimation from the last scattering vertex.
     fn add_found(
         &self,
-        walk: &Walk,
+        walk: &mut Walk,
         radiance: Spectrum,
         sample: &mut EyeSample,
         next_event: impl Fn(Point3) -> Pdf<SolidAngle>,
@@ -188,6 +235,7 @@ impl EyePathTracer<'_> {
             Some((from, pdf)) => {
                 let weight = power_heuristic(pdf.get(), next_event(from).get());
                 let light = walk.beta * radiance * weight;
+                walk.count(light);
                 // The edge just flown belongs to the bounce before it.
                 if walk.bounces == 1 { sample.direct += light } else { sample.indirect += light }
             }
@@ -213,11 +261,12 @@ impl EyePathTracer<'_> {
             // Nothing else can find a delta light.
             None => 1.0,
             Some(pdf) => {
-                let scatter = bsdf.pdf(si.wo, found.wi, TransportMode::Radiance);
+                let scatter = self.bounces.pdf(si, bsdf, found.wi);
                 power_heuristic((pdf * choice.pmf).get(), scatter.get())
             }
         };
         let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
+        walk.count(light);
         if walk.bounces == 0 { sample.direct += light } else { sample.indirect += light }
     }
 

@@ -4,6 +4,8 @@
 //! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
 pub mod bench;
+pub mod bounce;
+pub mod bounce_pilots;
 pub mod budget;
 pub mod crosscheck;
 pub mod exposure;
@@ -27,6 +29,8 @@ use crate::film::{Film, PixelBounds};
 use crate::photon::{EmissionPlan, PhotonCounts};
 use crate::scene::settings::Method;
 use crate::world::World;
+use bounce::Bounces;
+use eye_path::EyeFinds;
 use progress::Progress;
 use watch::{Stopped, Unattended, Watch};
 
@@ -72,7 +76,22 @@ pub struct Job<'a> {
     pub camera: Camera,
     pub watch: &'a dyn Watch,
     /// What each light sends in every pass, once a pass with photons has asked.
-    pub plans: OnceCell<Vec<EmissionPlan>>,
+    plans: OnceCell<Vec<EmissionPlan>>,
+    /// How the eye paths that leave caustics to photons bounce, once one has asked.
+    bounces: OnceCell<Bounces>,
+}
+
+impl<'a> Job<'a> {
+    pub fn new(world: &'a World, camera: Camera, watch: &'a dyn Watch) -> Job<'a> {
+        Job { world, camera, watch, plans: OnceCell::new(), bounces: OnceCell::new() }
+    }
+
+    fn bounces(&self, finds: EyeFinds) -> Bounces {
+        match finds {
+            EyeFinds::AllButCaustics => *self.bounces.get_or_init(|| bounce_pilots::learn(self.world, &self.camera)),
+            EyeFinds::Everything | EyeFinds::Emitters => Bounces::UNAIMED,
+        }
+    }
 }
 
 /// A camera that does not span a frame; assembly refuses such scenes.
@@ -114,7 +133,7 @@ pub fn go_on(
     more: impl Fn(&RenderState) -> bool,
 ) -> Result<Ended, BadCamera> {
     let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
-    let job = Job { world, camera, watch, plans: OnceCell::new() };
+    let job = Job::new(world, camera, watch);
     let (start, before) = (Instant::now(), state.report.seconds);
     let [invalid_rays, inexact_hits] = [world.backend.invalid_rays(), world.inexact_hits()];
     let mut ended = Ended::Done;
@@ -138,7 +157,7 @@ pub fn go_on(
 fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     match job.world.scene.settings.method {
         Method::PhotonMap => photon_map::render_pass(job, state),
-        Method::Path => exposure::expose(job, eye_path::EyeFinds::Everything, None, state),
+        Method::Path => exposure::expose(job, EyeFinds::Everything, None, state),
         Method::LightTrace => light_trace::render_pass(job, state),
     }
 }

@@ -28,9 +28,9 @@ pub(crate) mod test_support {
     use crate::radiometry::Spectrum;
     use crate::scene::{Material, MaterialId, ObjectId, Textured};
 
-    /// A flat diffuser of the given albedo.
-    pub fn lambert_at(p: Point3, n: Normal3, albedo: f64) -> Bsdf {
-        let si = Interaction {
+    /// A flat surface, met from above.
+    pub fn flat_at(p: Point3, n: Normal3) -> Interaction {
+        Interaction {
             p,
             error: 1e-9,
             t: 1.0,
@@ -43,8 +43,12 @@ pub(crate) mod test_support {
             primitive: 0,
             material: MaterialId(0),
             exact: true,
-        };
+        }
+    }
+
+    /// A flat diffuser of the given albedo.
+    pub fn lambert_at(p: Point3, n: Normal3, albedo: f64) -> Bsdf {
         let material = Material::Lambert { albedo: Textured::Constant(Spectrum::splat(albedo)) };
-        Bsdf::new(&material, &Textures::new(&[]), &si, &Lookup::default())
+        Bsdf::new(&material, &Textures::new(&[]), &flat_at(p, n), &Lookup::default())
     }
 }
