@@ -58,7 +58,7 @@ fn pilot(tracer: &EyePathTracer, camera: &Camera, i: u64) -> Option<Returned> {
 /// The share with the least second moment; the smallest of those that are equally good.
 fn best_share(pilots: &Bounces, returned: &[Returned]) -> f64 {
     let mean = returned.iter().map(|r| r.light).sum::<f64>() / returned.len() as f64;
-    if !(mean > 0.0) {
+    if returned.is_empty() || mean <= 0.0 {
         return 0.0;
     }
     let moment = |share: f64| -> f64 {
