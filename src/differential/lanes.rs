@@ -76,6 +76,11 @@ impl<const N: usize> Vectors<N> {
     pub fn get(&self, k: usize) -> Vec3 {
         Vec3::new(self.x.0[k], self.y.0[k], self.z.0[k])
     }
+    /// The first M ≤ N of them.
+    pub fn first<const M: usize>(&self) -> Vectors<M> {
+        let lanes = |of: Lanes<N>| Lanes(from_fn(|k| of.0[k]));
+        Vectors { x: lanes(self.x), y: lanes(self.y), z: lanes(self.z) }
+    }
     pub fn to_array(&self) -> [Vec3; N] {
         from_fn(|k| self.get(k))
     }

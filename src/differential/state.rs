@@ -73,6 +73,10 @@ impl<const N: usize> Differential<N> {
     pub fn columns(&self) -> [Column; N] {
         std::array::from_fn(|k| self.column(k))
     }
+    /// The first M ≤ N of them.
+    pub fn first<const M: usize>(&self) -> Differential<M> {
+        Differential { dx: self.dx.first(), dw: self.dw.first() }
+    }
     /// Every column times `s`: a change of the cell's size.
     pub fn scaled(&self, s: f64) -> Differential<N> {
         Differential { dx: self.dx * s, dw: self.dw * s }

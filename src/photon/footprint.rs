@@ -67,7 +67,7 @@ pub enum Spread {
 impl Spread {
     /// The footprint of a photon whose columns [`crate::differential::transfer()`] has put on the surface with tangent
     /// frame `frame`.
-    pub fn footprint(&self, columns: &Differential<4>, frame: &Frame) -> TangentForm {
+    pub fn footprint<const N: usize>(&self, columns: &Differential<N>, frame: &Frame) -> TangentForm {
         match *self {
             Spread::Columns { rule, scale } => footprint(columns, rule, scale, frame),
             Spread::Disc { radius } => TangentForm { xx: radius * radius, xy: 0.0, yy: radius * radius },
@@ -81,11 +81,19 @@ impl Spread {
 /// A column is the full width of its cell, so semi-axes are halves of columns.
 /// * Quadratic: Q = ¼ Σ_k P'_k P'_kᵀ over u, v, θ, φ: covariances of independent parameters add.
 /// * Parallelogram: the slides' (D_u + D_θ, D_v + D_φ), which depends on the bases' relative turn and can vanish.
-pub fn footprint(columns: &Differential<4>, rule: FootprintRule, scale: f64, frame: &Frame) -> TangentForm {
-    let [u, v, theta, phi] = columns.dx.to_array();
+pub fn footprint<const N: usize>(
+    columns: &Differential<N>,
+    rule: FootprintRule,
+    scale: f64,
+    frame: &Frame,
+) -> TangentForm {
+    let dx = columns.dx.to_array();
     let form = match rule {
-        FootprintRule::Quadratic => TangentForm::from_axes(frame, [u, v, theta, phi]),
-        FootprintRule::Parallelogram => TangentForm::from_axes(frame, [u + theta, v + phi]),
+        FootprintRule::Quadratic => TangentForm::from_axes(frame, dx),
+        FootprintRule::Parallelogram => {
+            let (positions, directions) = dx.split_at(N / 2);
+            TangentForm::from_axes(frame, positions.iter().zip(directions).map(|(&x, &w)| x + w))
+        }
     };
     form.scaled(0.25 * scale * scale)
 }

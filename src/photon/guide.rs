@@ -78,7 +78,7 @@ pub fn hits(
     light: LightId,
     aim: &Aim,
     (row, side): (usize, usize),
-    tracer: &mut PhotonTracer,
+    tracer: &mut PhotonTracer<0>,
 ) -> Hits {
     let mut hits = Hits { cells: vec![false; side], others: Vec::new() };
     for column in 0..side {

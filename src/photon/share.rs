@@ -66,7 +66,7 @@ impl Share {
 
     /// The split that makes both parts of the footprints equally wide. `tracer` is a fresh one; what it stores is
     /// thrown away by the caller.
-    pub fn balanced(source: &dyn Light, light: LightId, aim: &Aim, n: u64, tracer: &mut PhotonTracer) -> Share {
+    pub fn balanced(source: &dyn Light, light: LightId, aim: &Aim, n: u64, tracer: &mut PhotonTracer<4>) -> Share {
         let mut log_ratio = 0.0;
         let mut pairs = 0u32;
         for i in 0..PILOTS {

@@ -16,21 +16,22 @@ use crate::sampling::Stream;
 use crate::surface::{Bsdf, DeltaBranch, Interaction};
 use crate::world::World;
 
-/// Traces photons into a list; one for each unit of work.
-pub struct PhotonTracer<'a> {
+/// Traces photons into a list; one for each unit of work. N = 4 columns go with each of them, or none for the estimates that
+/// have a width of their own.
+pub struct PhotonTracer<'a, const N: usize> {
     world: &'a World,
     limits: PathLimits,
     spread: Spread,
-    pending: Vec<Branch>,
+    pending: Vec<Branch<N>>,
     pub photons: Vec<Photon>,
     pub counts: PhotonCounts,
 }
 
 /// A ray of light on its way.
-struct Branch {
+struct Branch<const N: usize> {
     origin: Point3,
     w: Dir3,
-    columns: Differential<4>,
+    columns: Differential<N>,
     flux: Flux,
     /// Share of the photon's flux, before roulette.
     share: f64,
@@ -38,7 +39,7 @@ struct Branch {
     events: u32,
 }
 
-impl<'a> PhotonTracer<'a> {
+impl<'a, const N: usize> PhotonTracer<'a, N> {
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
         let (pending, photons, counts) = (Vec::new(), Vec::new(), PhotonCounts::default());
         PhotonTracer { world, limits, spread, pending, photons, counts }
@@ -47,14 +48,14 @@ impl<'a> PhotonTracer<'a> {
     /// Follows one emitted photon to the end of all its branches.
     pub fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
-        let (columns, flux) = (emission.jacobian, emission.flux);
+        let (columns, flux) = (emission.jacobian.first(), emission.flux);
         self.pending.push(Branch { origin, w, columns, flux, share: 1.0, events: 0 });
         while let Some(branch) = self.pending.pop() {
             self.fly(branch, stream);
         }
     }
 
-    fn fly(&mut self, branch: Branch, stream: &mut Stream) {
+    fn fly(&mut self, branch: Branch<N>, stream: &mut Stream) {
         let Some(si) = self.world.intersect(&Ray::new(branch.origin, branch.w)) else {
             self.counts.escaped += 1;
             return;
@@ -77,7 +78,7 @@ impl<'a> PhotonTracer<'a> {
         }
     }
 
-    fn store(&mut self, si: &Interaction, branch: &Branch, columns: &Differential<4>) {
+    fn store(&mut self, si: &Interaction, branch: &Branch<N>, columns: &Differential<N>) {
         if !branch.flux.0.is_finite() {
             self.counts.broken_flux += 1;
             return;
@@ -91,8 +92,8 @@ impl<'a> PhotonTracer<'a> {
         &mut self,
         si: &Interaction,
         bsdf: &Bsdf,
-        branch: &Branch,
-        columns: &Differential<4>,
+        branch: &Branch<N>,
+        columns: &Differential<N>,
         stream: &mut Stream,
     ) {
         // The edge after event number `events + 1` is edge `events + 2` of the path.
@@ -127,7 +128,12 @@ impl<'a> PhotonTracer<'a> {
 }
 
 /// The direction and columns after a delta event.
-fn redirected(si: &Interaction, w: Dir3, columns: &Differential<4>, delta: &DeltaBranch) -> (Dir3, Differential<4>) {
+fn redirected<const N: usize>(
+    si: &Interaction,
+    w: Dir3,
+    columns: &Differential<N>,
+    delta: &DeltaBranch,
+) -> (Dir3, Differential<N>) {
     match delta.eta {
         None => reflect(columns, w, si.ns, &si.shape),
         Some(eta) => match refract(columns, w, si.ns, &si.shape, eta) {

@@ -1,4 +1,5 @@
-//! How fast the phases of a pass are, on one thread and on all, and how fast the ray library alone is on the same rays.
+//! How fast the phases of a pass are, on one thread and on all; how fast the ray library alone is on the same rays, and the
+//! other one; and what the standard photon map takes for the same photons.
 
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
@@ -15,8 +16,9 @@ use crate::backend::{self, Backend, Query, Recorded, RecordingBackend};
 use crate::camera::Camera;
 use crate::estimate::Estimate;
 use crate::film::PixelBounds;
-use crate::photon::PhotonHarvest;
+use crate::photon::{EmissionPlan, PhotonHarvest};
 use crate::scene::Scene;
+use crate::scene::settings::{BackendKind, Estimator};
 use crate::world::{World, WorldError};
 
 /// Rays of each kind that a phase is replayed with at most; more are counted, and cost in proportion.
@@ -43,12 +45,28 @@ pub struct Phase {
     pub rays: [u64; 2],
     /// What the ray library alone takes for them on one thread.
     pub bare_seconds: f64,
+    /// What the other one takes for them, if this binary has it.
+    pub other_seconds: Option<f64>,
+}
+
+/// The same photons without columns, and the nearest of them instead of footprints; seconds on one thread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Standard {
+    /// Tracing them with columns and without, one right after the other.
+    pub photons: [f64; 2],
+    /// Their tree.
+    pub map: f64,
+    /// What the picture takes longer than without them.
+    pub estimate: f64,
+    pub neighbours: u32,
 }
 
 /// A pass of a scene, measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
     pub backend: String,
+    /// The ray library that it is compared with.
+    pub other: Option<String>,
     pub threads: usize,
     /// In the order they are run in; `estimate` is what the picture takes with the photon map longer than without.
     pub phases: Vec<Phase>,
@@ -58,6 +76,7 @@ pub struct Measured {
     pub bytes_per_photon: f64,
     /// Pairs of a photon and a point that were weighed.
     pub kernel_evaluations: u64,
+    pub standard: Standard,
 }
 
 impl Phase {
@@ -79,32 +98,89 @@ pub fn measure(scene: Scene) -> Result<Measured, BenchError> {
     let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
     let one = on_one_thread(|| Run::of(&world, &camera, |_| ()))?;
     let all = Run::of(&world, &camera, |_| ());
-    let inner = backend::build(world.scene.settings.backend, &world.scene).map_err(WorldError::Backend)?;
+    let build = |kind| backend::build(kind, &world.scene).map_err(WorldError::Backend);
+    let inner = build(world.scene.settings.backend)?;
+    let other = other_than(world.scene.settings.backend).map(build).transpose()?;
     let (recording, recorded) = RecordingBackend::new(inner, KEPT_RAYS);
     let bare = std::mem::replace(&mut world.backend, Box::new(recording));
-    let mut alone = [([0; 2], 0.0); PHASES.len()];
+    let mut alone = [([0; 2], 0.0, None); PHASES.len()];
     on_one_thread(|| {
         Run::of(&world, &camera, |phase| {
             let rays = recorded.lock().unwrap_or_else(PoisonError::into_inner).take();
             // The picture is taken twice, with and without photons; its rays are the same.
             if PHASES[phase] != "estimate" {
-                alone[phase] = (rays.counts(), time_alone(bare.as_ref(), &rays));
+                let others = other.as_ref().map(|other| time_alone(other.as_ref(), &rays));
+                alone[phase] = (rays.counts(), time_alone(bare.as_ref(), &rays), others);
             }
         })
     })?;
     let phase = |i: usize| {
-        let (rays, bare_seconds) = alone[i];
-        Phase { name: PHASES[i], seconds: [one.seconds[i], all.seconds[i]], rays, bare_seconds }
+        let (rays, bare_seconds, other_seconds) = alone[i];
+        Phase { name: PHASES[i], seconds: [one.seconds[i], all.seconds[i]], rays, bare_seconds, other_seconds }
     };
+    world.backend = bare;
+    let standard = on_one_thread(|| Standard::of(&mut world, &camera))?;
     Ok(Measured {
-        backend: bare.describe(),
+        backend: world.backend.describe(),
+        other: other.map(|other| other.describe()),
         threads,
         phases: (0..PHASES.len()).map(phase).collect(),
         photons_emitted: one.photons_emitted,
         photons_stored: one.photons_stored,
         bytes_per_photon: one.bytes_per_photon,
         kernel_evaluations: one.weighed,
+        standard,
     })
+}
+
+/// Which backend to compare with: the other fast one.
+fn other_than(kind: BackendKind) -> Option<BackendKind> {
+    match kind {
+        BackendKind::Embree => Some(BackendKind::Obvhs),
+        BackendKind::Obvhs | BackendKind::Brute => cfg!(feature = "embree").then_some(BackendKind::Embree),
+    }
+}
+
+impl Standard {
+    /// Leaves `world` set to the standard estimate.
+    fn of(world: &mut World, camera: &Camera) -> Standard {
+        let plans = photon_map::plan(world);
+        let (_, with_columns) = timed(|| harvest(world, &plans));
+        world.scene.settings.estimator = Estimator::NearestNeighbours;
+        let (plain, without) = timed(|| harvest(world, &plans));
+        let photons = plain.into_map();
+        let settings = &world.scene.settings;
+        let ((), picture) = timed(|| expose(world, camera, None));
+        let (tree, map) = timed(|| Estimate::new(&photons, settings, 0));
+        let ((), estimate) = timed(|| expose(world, camera, Some(&tree)));
+        Standard {
+            photons: [with_columns, without],
+            map,
+            estimate: (estimate - picture).max(0.0),
+            neighbours: settings.k,
+        }
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// The photons of pass 0. Nobody stops it.
+fn harvest(world: &World, plans: &[EmissionPlan]) -> PhotonHarvest {
+    photon_map::harvest(world, plans, 0, &Unattended(&Silent), || ())
+        .unwrap_or_else(|Stopped| PhotonHarvest::new(world.lights.len()))
+}
+
+/// The picture of pass 0, thrown away.
+fn expose(world: &World, camera: &Camera, estimate: Option<&Estimate>) {
+    let unattended = Unattended(&Silent);
+    let job = Job::new(world, camera.clone(), &unattended);
+    let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
+    // Nobody stops it.
+    let _ = exposure::expose(&job, EyeFinds::AllButCaustics, estimate, &mut state);
 }
 
 /// Seconds that the library takes for all the rays, of which some were kept.
@@ -137,23 +213,13 @@ impl Run {
         };
         let plans = photon_map::plan(world);
         end(0);
-        let unattended = Unattended(&Silent);
-        let lights = world.lights.len();
-        let harvest = photon_map::harvest(world, &plans, 0, &unattended, || ())
-            .unwrap_or_else(|Stopped| PhotonHarvest::new(lights));
+        let harvest = harvest(world, &plans);
         end(1);
         let map = harvest.into_map();
         end(2);
-        let expose = |estimate: Option<&Estimate>| {
-            let job = Job::new(world, camera.clone(), &unattended);
-            let whole = PixelBounds::whole(world.scene.camera.resolution);
-            let mut state = RenderState::new(world, whole, 0);
-            // Nobody stops it.
-            let _ = exposure::expose(&job, EyeFinds::AllButCaustics, estimate, &mut state);
-        };
-        expose(None);
+        expose(world, camera, None);
         end(3);
-        expose(Some(&Estimate::new(&map, &world.scene.settings, 0)));
+        expose(world, camera, Some(&Estimate::new(&map, &world.scene.settings, 0)));
         end(4);
         seconds[4] = (seconds[4] - seconds[3]).max(0.0);
         Run {

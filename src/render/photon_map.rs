@@ -107,8 +107,18 @@ fn limits(world: &World) -> PathLimits {
     PathLimits { max_depth: world.scene.settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW }
 }
 
-fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> (LightId, Vec<Photon>, PhotonCounts) {
-    let mut tracer = PhotonTracer::new(world, limits(world), spread);
+type Stored = (LightId, Vec<Photon>, PhotonCounts);
+
+/// Only footprints need the photons' columns.
+fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> Stored {
+    match world.scene.settings.estimator {
+        Estimator::Differentials => trace_with::<4>(world, aim, unit, spread),
+        Estimator::Progressive | Estimator::NearestNeighbours => trace_with::<0>(world, aim, unit, spread),
+    }
+}
+
+fn trace_with<const N: usize>(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> Stored {
+    let mut tracer = PhotonTracer::<N>::new(world, limits(world), spread);
     let emitted = unit.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
     tracer.counts.photons_emitted = emitted;
     (unit.light, tracer.photons, tracer.counts)

@@ -376,6 +376,12 @@ fn bench_measures_every_phase() {
         assert!(phase["rays"][0].as_u64() > Some(500), "{phase}");
         assert!(phase["bare_seconds"].as_f64() > Some(0.0) && phase["seconds"][1].as_f64() > Some(0.0), "{phase}");
     }
+    let other = phases[1]["other_seconds"].as_f64();
+    assert!(other.is_none_or(|seconds| seconds > 0.0) && other.is_some() == json["other"].is_string(), "{out}");
+    let standard = &json["standard"];
+    for seconds in [&standard["photons"][0], &standard["photons"][1], &standard["map"], &standard["estimate"]] {
+        assert!(seconds.as_f64().is_some_and(|seconds| seconds >= 0.0), "{standard}");
+    }
     assert!(json["kernel_evaluations"].as_u64() > Some(0));
     assert!(json["bytes_per_photon"].as_f64().is_some_and(|bytes| (64.0..96.0).contains(&bytes)), "{out}");
     let rendered =
