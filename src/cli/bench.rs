@@ -27,8 +27,8 @@ pub struct Args {
 }
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
-    let scene = args.scene.load(verbosity)?.scene;
     args.work.start_threads()?;
+    let scene = args.scene.load(verbosity)?.scene;
     let measured = measure(scene).map_err(|error| failure(&error))?;
     if args.json {
         print_json(&measured)?

@@ -50,12 +50,12 @@ struct Answer {
 }
 
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
+    args.work.start_threads()?;
     let scene = args.scene.load(verbosity)?.scene;
     let own = scene.settings.backend;
     // Without a wish: the other one of the two fast backends.
     let fast = if own == BackendKind::Obvhs { BackendKind::Embree } else { BackendKind::Obvhs };
     let other = args.against.as_deref().and_then(BackendKind::from_name).unwrap_or(fast);
-    args.work.start_threads()?;
     let reporter = args.work.reporter(verbosity);
     let found = crosscheck(scene, [own, other], args.rays, &reporter).map_err(|error| failure(&error))?;
     reporter.end();

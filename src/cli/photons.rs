@@ -44,9 +44,9 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
         let message = format!("{}: photons are written as PLY; end the name in .ply", args.output.display());
         return Err(Failure::new(code::USAGE, message));
     }
+    args.work.start_threads()?;
     let loaded = args.scene.load(verbosity)?;
     probe(&args.output, args.make_path)?;
-    args.work.start_threads()?;
     let reporter = args.work.reporter(verbosity);
     let world = world(loaded.scene)?;
     let map = shoot_all(&world, 0, &reporter);

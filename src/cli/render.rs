@@ -139,10 +139,10 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     // A wrong name is told before a large scene is read; folders are made only for a good scene.
     Outputs::check_names(&args.output)?;
     let viewer = open_viewer(args)?;
+    let threads = args.work.start_threads()?;
     let loaded = args.scene.load(verbosity)?;
     let is_a_part = args.part.pass_range.is_some() || args.part.tile.is_some();
     let outputs = Outputs::check(&args.output, is_a_part)?;
-    let threads = args.work.start_threads()?;
     let reporter = args.work.reporter(verbosity);
     let signals = Signals::watch()?;
 

@@ -22,7 +22,7 @@ pub struct WorkArgs {
 }
 
 impl WorkArgs {
-    /// Starts the threads; returns how many there are.
+    /// Starts the threads, before a scene is read, which has work for them; returns how many there are.
     pub fn start_threads(&self) -> Result<usize, Failure> {
         let wanted = self.threads.map_or(0, NonZeroUsize::get);
         unit::start_threads(wanted)

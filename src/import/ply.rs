@@ -24,6 +24,9 @@ const SCALARS: [&[&str]; 8] = [
 ];
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
+/// Elements that are held at once as the parser gives them, several times as large as what is kept.
+const ROWS_AT_ONCE: usize = 1 << 16;
+
 /// Reads a PLY file; without `normals` those of the file are left out.
 ///
 /// # Errors
@@ -45,26 +48,29 @@ pub fn parse(path: &Path, bytes: &[u8], normals: bool) -> Result<MeshFile, Probl
     let header = parser.read_header(&mut reader).map_err(|error| file.broken(&error, true, &reader))?;
     file.check_claims(&header, reader.get_ref().len())?;
 
+    let missing = |name: &str| Problem::new(format!("the file has no element `{name}`")).at(&file.source);
+    let vertices = header.elements.get("vertex").ok_or_else(|| missing("vertex"))?;
+    if !header.elements.contains_key("face") {
+        return Err(missing("face").help("point clouds and strips cannot be rendered").into());
+    }
+    let mut building = Building::new(vertices, normals, &file.source)?;
     let ascii = header.encoding == Encoding::Ascii;
-    let mut vertices = None;
-    let mut faces = None;
     for (name, element) in &header.elements {
-        let first_line = reader.line();
-        let rows = parser
-            .read_payload_for_element(&mut reader, element, &header)
-            .map_err(|error| file.broken(&error, ascii, &reader))?;
-        let rows = Rows { rows, first_line: ascii.then_some(first_line), source: &file.source };
-        match name.as_str() {
-            "vertex" => vertices = Some((element, rows)),
-            "face" => faces = Some(rows),
-            _ => {}
+        for first in (0..element.count).step_by(ROWS_AT_ONCE) {
+            let some = ElementDef { count: ROWS_AT_ONCE.min(element.count - first), ..element.clone() };
+            let first_line = ascii.then_some(reader.line());
+            let rows = parser
+                .read_payload_for_element(&mut reader, &some, &header)
+                .map_err(|error| file.broken(&error, ascii, &reader))?;
+            let rows = Rows { rows, first, first_line, source: &file.source };
+            match name.as_str() {
+                "vertex" => building.add_vertices(&rows)?,
+                "face" => building.add_triangles(&rows)?,
+                _ => {}
+            }
         }
     }
-    let missing = |name: &str| Problem::new(format!("the file has no element `{name}`")).at(&file.source);
-    let (element, vertices) = vertices.ok_or_else(|| missing("vertex"))?;
-    let faces = faces.ok_or_else(|| missing("face").help("point clouds and strips cannot be rendered"))?;
-    let mut mesh = vertices.vertices(element, normals)?;
-    let triangle_lines = faces.triangles(&mut mesh)?;
+    let Building { mesh, triangle_lines, .. } = building;
     let triangle_materials = vec![None; mesh.triangles.len()];
     Ok(MeshFile { source: file.source, mesh, triangle_lines, triangle_materials, materials: Vec::new() })
 }
@@ -183,10 +189,12 @@ impl Row {
     }
 }
 
-/// All elements of one kind.
+/// Some elements of one kind.
 struct Rows<'s> {
     rows: Vec<Row>,
-    /// The line of the first element, in text files.
+    /// Number of the first one in the file.
+    first: usize,
+    /// Its line, in text files.
     first_line: Option<usize>,
     source: &'s Source,
 }
@@ -198,19 +206,39 @@ impl Rows<'_> {
     fn source(&self, index: usize) -> Source {
         self.line(index).map_or(self.source.clone(), |line| self.source.at_line(line))
     }
+    /// Each with its number in the file.
+    fn numbered(&self) -> impl Iterator<Item = (usize, usize, &Row)> {
+        self.rows.iter().enumerate().map(|(index, row)| (index, self.first + index, row))
+    }
+}
 
-    fn vertices(&self, element: &ElementDef, normals: bool) -> Result<TriangleMesh, Problem> {
-        let is_scalar =
-            |name: &&str| element.properties.get(*name).is_some_and(|p| matches!(p.data_type, PropertyType::Scalar(_)));
+/// The mesh as far as it has been read.
+struct Building {
+    mesh: TriangleMesh,
+    triangle_lines: Vec<u32>,
+    vertices: i64,
+    has_normals: bool,
+    has_uvs: bool,
+}
+
+impl Building {
+    fn new(vertices: &ElementDef, normals: bool, source: &Source) -> Result<Building, Problem> {
+        let is_scalar = |name: &&str| {
+            vertices.properties.get(*name).is_some_and(|p| matches!(p.data_type, PropertyType::Scalar(_)))
+        };
         let has = |slots: std::ops::Range<usize>| SCALARS[slots].iter().all(|names| names.iter().any(is_scalar));
         if !has(0..3) {
-            return Err(Problem::new("the vertices have no x, y, z").at(self.source));
+            return Err(Problem::new("the vertices have no x, y, z").at(source));
         }
-        let (has_normals, has_uvs) = (normals && has(3..6), has(6..8));
-        let mut mesh = TriangleMesh::default();
-        for (i, row) in self.rows.iter().enumerate() {
+        let (has_normals, has_uvs, vertices) = (normals && has(3..6), has(6..8), vertices.count as i64);
+        Ok(Building { mesh: TriangleMesh::default(), triangle_lines: Vec::new(), vertices, has_normals, has_uvs })
+    }
+
+    fn add_vertices(&mut self, rows: &Rows) -> Result<(), Problem> {
+        let mesh = &mut self.mesh;
+        for (index, number, row) in rows.numbered() {
             let refuse = |what: &str, help: &str| {
-                Err(Problem::new(format!("vertex {i} has {what}")).help(help.to_owned()).at(&self.source(i)))
+                Err(Problem::new(format!("vertex {number} has {what}")).help(help.to_owned()).at(&rows.source(index)))
             };
             let [x, y, z, nx, ny, nz, u, v] = row.scalars;
             let position = [x, y, z].map(|c| c as f32);
@@ -218,42 +246,40 @@ impl Rows<'_> {
                 return refuse("a coordinate that is not finite", "coordinates must be finite numbers below 3e38");
             }
             mesh.positions.push(position);
-            if has_normals {
+            if self.has_normals {
                 let length = (nx * nx + ny * ny + nz * nz).sqrt();
                 if !(length > 0.0 && length.is_finite()) {
                     return refuse("a normal without length", "use `smooth = true` or `smooth = false` instead");
                 }
                 mesh.normals.push([nx, ny, nz].map(|c| (c / length) as f32));
             }
-            if has_uvs {
+            if self.has_uvs {
                 if !(u as f32).is_finite() || !(v as f32).is_finite() {
                     return refuse("a texture coordinate that is not finite", "it must be a finite number");
                 }
                 mesh.uvs.push([u as f32, v as f32]);
             }
         }
-        Ok(mesh)
+        Ok(())
     }
 
-    /// Cuts the faces into triangles of `mesh`; returns their lines.
-    fn triangles(&self, mesh: &mut TriangleMesh) -> Result<Vec<u32>, Problem> {
-        let count = mesh.positions.len() as i64;
-        let mut lines = Vec::new();
-        for (i, row) in self.rows.iter().enumerate() {
-            if let Some(index) = row.indices.iter().find(|index| !(0..count).contains(*index)) {
-                let message = format!("face {i} names vertex {index}, the file has {count}");
-                return Err(Problem::new(message).help("vertices count from 0").at(&self.source(i)));
+    /// Cuts the faces into triangles.
+    fn add_triangles(&mut self, rows: &Rows) -> Result<(), Problem> {
+        for (index, number, row) in rows.numbered() {
+            if let Some(vertex) = row.indices.iter().find(|vertex| !(0..self.vertices).contains(*vertex)) {
+                let message = format!("face {number} names vertex {vertex}, the file has {}", self.vertices);
+                return Err(Problem::new(message).help("vertices count from 0").at(&rows.source(index)));
             }
             if row.indices.len() < 3 {
-                let message = format!("face {i} has {} corners", row.indices.len());
-                return Err(Problem::new(message).help("a face needs at least 3").at(&self.source(i)));
+                let message = format!("face {number} has {} corners", row.indices.len());
+                return Err(Problem::new(message).help("a face needs at least 3").at(&rows.source(index)));
             }
             let [first, rest @ ..] = &row.indices[..] else { continue };
             for pair in rest.windows(2) {
-                mesh.triangles.push([*first, pair[0], pair[1]].map(|index| index as u32));
-                lines.extend(self.line(i));
+                self.mesh.triangles.push([*first, pair[0], pair[1]].map(|vertex| vertex as u32));
+                self.triangle_lines.extend(rows.line(index));
             }
         }
-        Ok(lines)
+        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Indexed triangle meshes in storage precision.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 use crate::math::{Bounds3, Point3, Vec3};
 
@@ -43,10 +43,17 @@ impl TriangleMesh {
     }
     /// For each vertex the first one at the same place, so that seams of normals or texture close.
     pub fn welded_vertices(&self) -> Vec<u32> {
-        let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
-        // Adding zero makes −0 the same place as 0.
+        // Adding zero makes −0 the same place as 0. Sorted and not hashed: a hash table of millions misses the cache.
         let key = |p: &[f32; 3]| p.map(|x| (x + 0.0).to_bits());
-        self.positions.iter().enumerate().map(|(i, p)| *first.entry(key(p)).or_insert(i as u32)).collect()
+        let mut keyed: Vec<([u32; 3], u32)> = self.positions.iter().map(key).zip(0..).collect();
+        keyed.par_sort_unstable();
+        let mut welded = vec![0; keyed.len()];
+        for same in keyed.chunk_by(|a, b| a.0 == b.0) {
+            for (_, i) in same {
+                welded[*i as usize] = same[0].1;
+            }
+        }
+        welded
     }
     /// Normals of the vertices as means over their triangles weighted by the angle at the vertex, vertices at the same
     /// place taken as one. Where the triangles' normals cancel each other it is the first triangle's own; a vertex that

@@ -1,6 +1,6 @@
 //! Meshes: finite vertices, indices in range, triangles with an area, and what their edges say about the solid.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 use super::Report;
 use crate::math::Point3;
@@ -93,35 +93,45 @@ pub(super) struct Topology {
     pub flipped_edges: Option<(usize, usize)>,
 }
 
-/// Triangles along an edge in the direction of its key and against it, and the first of them.
-struct Edge {
-    along: u32,
-    against: u32,
-    first: usize,
+/// A side of a triangle, from the lower to the higher vertex. In order of these, the sides of an edge stand together and its
+/// first triangle first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    edge: (u32, u32),
+    prim: u32,
+    /// Whether the triangle runs along it this way.
+    along: bool,
 }
 
 impl Topology {
     pub fn of(mesh: &TriangleMesh) -> Topology {
-        let welded = mesh.welded_vertices();
-        let mut edges: HashMap<(u32, u32), Edge> = HashMap::with_capacity(mesh.triangles.len() * 3 / 2);
-        for (prim, triangle) in mesh.triangles.iter().enumerate() {
-            let corners = triangle.map(|i| welded[i as usize]);
-            for (a, b) in [(corners[0], corners[1]), (corners[1], corners[2]), (corners[2], corners[0])] {
-                let edge = edges.entry((a.min(b), a.max(b))).or_insert(Edge { along: 0, against: 0, first: prim });
-                *(if a < b { &mut edge.along } else { &mut edge.against }) += 1;
-            }
+        let mut sides = sides(mesh);
+        // Sorted and not hashed: a hash table of millions misses the cache.
+        sides.par_sort_unstable();
+        let mut topology = Topology { open_edges: None, crowded_edges: None, flipped_edges: None };
+        for edge in sides.chunk_by(|a, b| a.edge == b.edge) {
+            let kind = match edge {
+                [_] => &mut topology.open_edges,
+                [a, b] if a.along == b.along => &mut topology.flipped_edges,
+                [_, _] => continue,
+                _ => &mut topology.crowded_edges,
+            };
+            let prim = edge[0].prim as usize;
+            let (count, first) = kind.get_or_insert((0, prim));
+            (*count, *first) = (*count + 1, prim.min(*first));
         }
-        let find = |irregular: fn(&Edge) -> bool| {
-            let matching = || edges.values().filter(|e| irregular(e));
-            matching().map(|e| e.first).min().map(|first| (matching().count(), first))
-        };
-        Topology {
-            open_edges: find(|e| e.along + e.against == 1),
-            crowded_edges: find(|e| e.along + e.against > 2),
-            flipped_edges: find(|e| e.along + e.against == 2 && e.along != 1),
-        }
+        topology
     }
     pub fn is_closed(&self) -> bool {
         self.open_edges.is_none() && self.crowded_edges.is_none() && self.flipped_edges.is_none()
     }
+}
+
+fn sides(mesh: &TriangleMesh) -> Vec<Side> {
+    let welded = mesh.welded_vertices();
+    let of = |prim: usize| {
+        let [a, b, c] = mesh.triangles[prim].map(|i| welded[i as usize]);
+        [(a, b), (b, c), (c, a)].map(|(a, b)| Side { edge: (a.min(b), a.max(b)), prim: prim as u32, along: a < b })
+    };
+    (0..mesh.triangles.len()).flat_map(of).collect()
 }
