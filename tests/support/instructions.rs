@@ -131,6 +131,7 @@ pub fn judge(before: &Table, now: &Table) -> Verdict {
         lines.push(format!("all within {limit} % of the table"));
     } else {
         lines.push(format!("further than {limit} % from the table: {}", far.join(", ")));
+        lines.push("where that is meant, .ci/instructions --write renews the table".to_owned());
     }
     Verdict { text: lines.join("\n"), passed: !same || far.is_empty() }
 }
