@@ -13,6 +13,7 @@ mod distribute;
 mod exact;
 mod farm;
 mod film;
+mod instructions;
 mod interaction;
 mod light_assembly;
 mod lights;

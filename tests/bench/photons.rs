@@ -1,0 +1,36 @@
+//! Photons emitted and traced per second: `cargo bench --bench photons`. One thread.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+use divan::Bencher;
+use divan::counter::ItemsCount;
+use pdembree::render::photon_map;
+use support::pass::{SCENES, Small, alone};
+
+fn main() {
+    divan::main();
+}
+
+/// Before the first pass: where photons are of use, and how many each light sends.
+#[divan::bench(args = SCENES, sample_count = 10)]
+fn pilots(bencher: Bencher, scene: &str) {
+    let small = Small::of(scene);
+    bencher.bench_local(|| alone(|| photon_map::plan(&small.world)));
+}
+
+#[divan::bench(args = SCENES, sample_count = 10)]
+fn guided(bencher: Bencher, scene: &str) {
+    trace(bencher, &Small::of(scene));
+}
+
+#[divan::bench(args = SCENES, sample_count = 10)]
+fn unguided(bencher: Bencher, scene: &str) {
+    trace(bencher, &Small::with(scene, &[("render.guiding", "off")]));
+}
+
+fn trace(bencher: Bencher, small: &Small) {
+    let plans = photon_map::plan(&small.world);
+    let emitted = small.harvest(&plans).into_map().counts.photons_emitted;
+    bencher.counter(ItemsCount::new(emitted)).bench_local(|| alone(|| small.harvest(&plans)));
+}

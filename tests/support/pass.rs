@@ -1,0 +1,152 @@
+//! A pass of a small scene in its steps, for benches: what the conductors of `render` do, on one thread.
+
+use std::cell::OnceCell;
+
+use pdembree::camera::{Camera, filter_offset};
+use pdembree::estimate::{Estimate, GatherPoint, Turn};
+use pdembree::film::{EyeSample, Film, PixelBounds, Tile};
+use pdembree::import::{Override, load};
+use pdembree::math::Vec2;
+use pdembree::photon::{EmissionPlan, PhotonHarvest, PhotonMap};
+use pdembree::render::exposure::{TILE_SIZE, expose};
+use pdembree::render::eye_path::{EyeFinds, EyePathTracer};
+use pdembree::render::progress::Silent;
+use pdembree::render::unit::on_one_thread;
+use pdembree::render::watch::Unattended;
+use pdembree::render::{Job, RenderState, photon_map};
+use pdembree::sampling::PixelSamples;
+use pdembree::sampling::warp::{ConcentricDisk, Warp};
+use pdembree::world::World;
+
+use super::data::root;
+
+/// Every bench's scenes: shapes and a lamp of some size with light in corners; a mesh of glass that splits photons.
+pub const SCENES: [&str; 2] = ["cornell", "glass"];
+
+/// A scene of `scenes/` with few pixels and photons.
+pub struct Small {
+    pub world: World,
+    pub camera: Camera,
+}
+
+/// What the eye finds in the pixels of a tile, but for the light of photons.
+pub struct Seen {
+    pub bounds: PixelBounds,
+    pub samples: Vec<(u32, u32, EyeSample)>,
+    /// Where photons are asked.
+    pub points: Vec<GatherPoint>,
+}
+
+impl Small {
+    /// The scene with `settings` over its own.
+    pub fn with(scene: &str, settings: &[(&str, &str)]) -> Small {
+        let small = [
+            ("camera.resolution", "[64, 48]"),
+            ("render.photons", "20000"),
+            ("render.spp", "4"),
+            ("render.passes", "1"),
+            ("render.layers", "[\"caustic\", \"direct\", \"N\", \"Z\"]"),
+        ];
+        let overrides: Vec<Override> =
+            small.iter().chain(settings).map(|(key, value)| Override::new(*key, *value)).collect();
+        let path = root().join("scenes").join(scene).join(scene).with_extension("toml");
+        let loaded = load(&path, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
+        let camera = Camera::new(&loaded.scene.camera).expect("a frame");
+        Small { world: World::new(loaded.scene).expect("a world"), camera }
+    }
+
+    pub fn of(scene: &str) -> Small {
+        Small::with(scene, &[])
+    }
+
+    pub fn pixels(&self) -> PixelBounds {
+        PixelBounds::whole(self.world.scene.camera.resolution)
+    }
+
+    pub fn samples(&self) -> usize {
+        self.pixels().pixels() * self.world.scene.settings.spp as usize
+    }
+
+    pub fn harvest(&self, plans: &[EmissionPlan]) -> PhotonHarvest {
+        photon_map::harvest(&self.world, plans, 0, &Unattended(&Silent), || ()).expect("nobody stops it")
+    }
+
+    pub fn map(&self) -> PhotonMap {
+        self.harvest(&photon_map::plan(&self.world)).into_map()
+    }
+
+    pub fn estimate<'a>(&'a self, map: &'a PhotonMap) -> Estimate<'a> {
+        Estimate::new(map, &self.world.scene.settings, 0)
+    }
+
+    /// The whole picture; photons' light is in it where there is an estimate.
+    pub fn expose(&self, finds: EyeFinds, estimate: Option<&Estimate>) -> RenderState {
+        let watch = Unattended(&Silent);
+        let job = Job { world: &self.world, camera: self.camera.clone(), watch: &watch, plans: OnceCell::new() };
+        let mut state = RenderState::new(&self.world, self.pixels(), 0);
+        expose(&job, finds, estimate, &mut state).expect("nobody stops it");
+        state
+    }
+
+    /// Tile by tile, what is there before photons are asked and before the film gets it.
+    pub fn seen(&self) -> Vec<Seen> {
+        let PixelBounds { x1, y1, .. } = self.pixels();
+        PixelBounds::tiles(x1, y1, TILE_SIZE).into_iter().map(|bounds| self.look(bounds)).collect()
+    }
+
+    fn look(&self, bounds: PixelBounds) -> Seen {
+        let settings = &self.world.scene.settings;
+        let tracer = EyePathTracer {
+            world: &self.world,
+            finds: EyeFinds::AllButCaustics,
+            max_depth: settings.max_depth,
+            max_bounces: settings.max_bounces,
+            sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
+        };
+        let (mut samples, mut queries) = (Vec::new(), Vec::new());
+        for y in bounds.y0..bounds.y1 {
+            for x in bounds.x0..bounds.x1 {
+                let number = u64::from(y * self.pixels().width() + x);
+                let pixel = PixelSamples::new(settings.seed, 0, number, settings.spp);
+                for index in 0..settings.spp {
+                    let start = pixel.get(index);
+                    let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                    let raster = centre + filter_offset(self.world.scene.camera.filter, start.raster);
+                    let ray = self.camera.ray(raster, ConcentricDisk.sample(start.lens));
+                    let stream = PixelSamples::stream(settings.seed, 0, number, index);
+                    let turn = Turn { index, of: settings.spp };
+                    samples.push((x, y, tracer.trace(&ray, &start, turn, stream, &mut queries)));
+                }
+            }
+        }
+        Seen { bounds, samples, points: queries.into_iter().map(|query| query.point).collect() }
+    }
+
+    /// An empty film.
+    pub fn film(&self) -> Film {
+        Film::new(self.pixels(), 0, &self.world.scene.settings.layers)
+    }
+
+    /// A tile of `film` with the samples in it.
+    pub fn tile(&self, film: &Film, seen: &Seen) -> Tile {
+        let mut tile = Tile::new(film.layout(), seen.bounds, 0);
+        seen.samples.iter().for_each(|(x, y, sample)| tile.add(*x, *y, sample));
+        tile
+    }
+
+    /// A film of one pass.
+    pub fn developed(&self, seen: &[Seen]) -> Film {
+        let mut film = self.film();
+        for (unit, seen) in seen.iter().enumerate() {
+            let tile = self.tile(&film, seen);
+            film.add_tile(unit, &tile);
+        }
+        film.end_pass();
+        film
+    }
+}
+
+/// As [`on_one_thread`], with a thread for sure.
+pub fn alone<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    on_one_thread(work).expect("a thread")
+}
