@@ -99,14 +99,14 @@ fn caster_aim(scene: &Scene) -> Option<Aim> {
     let casters = || {
         scene.objects.iter().filter(|object| can_have_delta(&scene.materials[object.material.index()], &scene.textures))
     };
-    let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds(&scene.meshes)));
+    let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     if bounds.is_empty() {
         return None;
     }
     // Around each caster's own sphere, which for a ball is much tighter than around its box.
     let centre = bounds.centre();
     let reach = |object: &Object| {
-        let (c, r) = object.bounding_sphere(&scene.meshes);
+        let (c, r) = object.bounding_sphere();
         centre.distance(c) + r
     };
     let radius = casters().map(reach).fold(0.0, f64::max);

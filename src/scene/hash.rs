@@ -1,6 +1,9 @@
 //! A digest of everything in a description that can change a pixel: contents of meshes and images included, names,
 //! paths, the order of materials and the choice of layers not.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
 use super::camera::PixelFilter;
 use super::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialModel,
@@ -24,7 +27,7 @@ pub fn digest_of_contents(description: &SceneDescription) -> String {
 }
 
 fn digest_with(description: &SceneDescription, settings: &RenderSettings) -> String {
-    let mut out = Canonical(blake3::Hasher::new());
+    let mut out = Canonical::default();
     out.tag(VERSION);
     if let Some(camera) = &description.camera {
         out.camera(camera);
@@ -38,15 +41,34 @@ fn digest_with(description: &SceneDescription, settings: &RenderSettings) -> Str
     for light in &description.lights {
         out.light(light);
     }
-    out.0.finalize().to_hex().to_string()
+    out.hasher.finalize().to_hex().to_string()
 }
 
 /// Writes values one after the other; lengths go before lists and tags before alternatives, so nothing is ambiguous.
-struct Canonical(blake3::Hasher);
+#[derive(Default)]
+struct Canonical {
+    hasher: blake3::Hasher,
+    /// What has been written in full: its index in the description, and how many of its kind were before it. Contents
+    /// that many objects share are referred to from then on: an instance costs its transform and not its mesh.
+    meshes: HashMap<usize, usize>,
+    textures: HashMap<usize, usize>,
+}
+
+/// The place of `index` among those written in full; where it has none yet, it gets one.
+fn earlier(written: &mut HashMap<usize, usize>, index: usize) -> Option<usize> {
+    let next = written.len();
+    match written.entry(index) {
+        Entry::Occupied(place) => Some(*place.get()),
+        Entry::Vacant(free) => {
+            free.insert(next);
+            None
+        }
+    }
+}
 
 impl Canonical {
     fn bytes(&mut self, bytes: &[u8]) {
-        self.0.update(bytes);
+        self.hasher.update(bytes);
     }
     fn integer(&mut self, value: u64) {
         self.bytes(&value.to_le_bytes());
@@ -219,14 +241,18 @@ impl Canonical {
                     self.numbers(&[wave.amplitude, wave.phase]);
                 }
             }
-            ShapeDescription::Mesh { mesh } => match mesh.and_then(|i| description.meshes.get(i)) {
+            ShapeDescription::Mesh { mesh } => match mesh.and_then(|i| Some((i, description.meshes.get(i)?))) {
                 None => self.tag("no mesh"),
-                Some(mesh) => self.mesh(&mesh.mesh),
+                Some((index, mesh)) => self.mesh(index, &mesh.mesh),
             },
         }
     }
 
-    fn mesh(&mut self, mesh: &TriangleMesh) {
+    fn mesh(&mut self, index: usize, mesh: &TriangleMesh) {
+        if let Some(place) = earlier(&mut self.meshes, index) {
+            self.tag("mesh again");
+            return self.count(place);
+        }
         self.tag("mesh");
         self.singles(&mesh.positions);
         self.singles(&mesh.normals);
@@ -298,6 +324,10 @@ impl Canonical {
 
     fn texture(&mut self, index: usize, description: &SceneDescription) {
         let Some(texture) = description.textures.get(index) else { return self.tag("no image") };
+        if let Some(place) = earlier(&mut self.textures, index) {
+            self.tag("image again");
+            return self.count(place);
+        }
         let ImageTexture { width, height, texels, wrap } = &texture.image;
         self.tag("image");
         self.count(*width);

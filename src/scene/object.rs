@@ -1,7 +1,6 @@
 //! Things that rays can hit.
 
 use super::ids::{LightId, MaterialId, MeshId};
-use super::mesh::TriangleMesh;
 use crate::math::{Bounds3, Point3, Transform};
 use crate::shape::Shape;
 
@@ -14,27 +13,31 @@ pub enum ObjectGeometry {
     Shape { shape: Shape, to_world: Transform },
 }
 
+impl ObjectGeometry {
+    /// Around it in the world; `meshes` are the bounds of the scene's meshes.
+    pub fn bounds(&self, meshes: &[Bounds3]) -> Bounds3 {
+        match self {
+            ObjectGeometry::Mesh { mesh, to_world } => meshes[mesh.index()].transformed(to_world),
+            ObjectGeometry::Shape { shape, to_world } => shape.bounds().transformed(to_world),
+        }
+    }
+}
+
 /// One object of the scene.
 #[derive(Clone, Debug)]
 pub struct Object {
     pub name: String,
     pub geometry: ObjectGeometry,
+    /// Around it in the world.
+    pub bounds: Bounds3,
     pub material: MaterialId,
     /// The area light that this object is, if it emits.
     pub light: Option<LightId>,
 }
 
 impl Object {
-    /// World bounds; `meshes` is the scene's table.
-    pub fn bounds(&self, meshes: &[TriangleMesh]) -> Bounds3 {
-        match &self.geometry {
-            ObjectGeometry::Mesh { mesh, to_world } => meshes[mesh.index()].bounds().transformed(to_world),
-            ObjectGeometry::Shape { shape, to_world } => shape.bounds().transformed(to_world),
-        }
-    }
-
     /// Centre and radius of a sphere around the object in the world.
-    pub fn bounding_sphere(&self, meshes: &[TriangleMesh]) -> (Point3, f64) {
+    pub fn bounding_sphere(&self) -> (Point3, f64) {
         if let ObjectGeometry::Shape { shape: Shape::Sphere(sphere), to_world } = &self.geometry {
             let [a, b, c] = to_world.columns();
             // Axes that stay perpendicular: the ball becomes an ellipsoid along them.
@@ -44,6 +47,6 @@ impl Object {
                 return (to_world.point(sphere.centre()), sphere.radius() * stretch);
             }
         }
-        self.bounds(meshes).bounding_sphere()
+        self.bounds.bounding_sphere()
     }
 }

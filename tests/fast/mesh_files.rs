@@ -179,6 +179,63 @@ fn wrong_plys_name_line_or_byte() {
     assert!(found.contains("no element `face`"), "{found}");
 }
 
+/// A wavy sheet of 2·`side`² triangles as OBJ and as PLY: more rows than are read at a time.
+fn sheet(side: u32) -> (String, String) {
+    use std::fmt::Write as _;
+    let at = |i: u32, j: u32| (i as f32 / side as f32, j as f32 / side as f32, (0.37 * (i * 7 + j * 3) as f32).sin());
+    let corners = |i: u32, j: u32| [i, i + 1].map(|i| [j, j + 1].map(|j| i * (side + 1) + j));
+    let (mut obj, mut rows) = (String::new(), String::new());
+    for (i, j) in (0..=side).flat_map(|i| (0..=side).map(move |j| (i, j))) {
+        let (x, y, z) = at(i, j);
+        writeln!(obj, "v {x} {y} {z}").expect("text");
+        writeln!(rows, "{x} {y} {z}").expect("text");
+    }
+    for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+        let [[a, b], [d, c]] = corners(i, j);
+        for [a, b, c] in [[a, b, c], [a, c, d]] {
+            writeln!(obj, "f {} {} {}", a + 1, b + 1, c + 1).expect("text");
+            writeln!(rows, "3 {a} {b} {c}").expect("text");
+        }
+    }
+    let (vertices, faces) = ((side + 1).pow(2), 2 * side.pow(2));
+    let header = format!(
+        "ply\nformat ascii 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+    );
+    (obj, header + &rows)
+}
+
+#[test]
+fn a_ply_of_many_rows_is_the_obj_of_as_many_lines() {
+    let side = 300;
+    let (obj, rows) = sheet(side);
+    let vertices = (side + 1).pow(2) as usize;
+    let expected = read_obj(&obj);
+    let file = ply::parse(Path::new("sheet.ply"), rows.as_bytes(), true).expect("a sound PLY");
+    // An OBJ's vertices come in the order of their first use.
+    let corners = |mesh: &TriangleMesh| -> Vec<_> { (0..2 * side.pow(2)).map(|i| mesh.corners(i)).collect() };
+    assert_eq!(file.mesh.positions.len(), vertices);
+    assert_eq!(file.mesh.triangles.len(), expected.mesh.triangles.len());
+    assert_eq!(corners(&file.mesh), corners(&expected.mesh));
+    let lines: Vec<u32> = expected.triangle_lines.iter().map(|line| line + 9).collect();
+    assert_eq!(file.triangle_lines, lines, "nine lines of header before them");
+
+    // What is wrong far down is found where it stands.
+    let wrong = |line: usize, with: &str| {
+        let mut lines: Vec<&str> = rows.lines().collect();
+        lines[line - 1] = with;
+        let text = lines.join("\n") + "\n";
+        ply::parse(Path::new("sheet.ply"), text.as_bytes(), true).expect_err("a wrong PLY").to_string()
+    };
+    let last = 9 + vertices + 2 * side.pow(2) as usize;
+    assert_eq!(rows.lines().count(), last);
+    let found = wrong(last, "3 0 1 900000");
+    let face = 2 * side.pow(2) - 1;
+    assert!(found.starts_with(&format!("sheet.ply:{last}: face {face} names vertex 900000")), "{found}");
+    let found = wrong(9 + 80_000, "0 0 x");
+    assert!(found.starts_with(&format!("sheet.ply:{}: not a sound PLY file", 9 + 80_000)), "{found}");
+}
+
 /// A scene of one mesh.
 fn scene_of(file: &str, more: &str) -> String {
     format!(

@@ -221,3 +221,31 @@ fn the_hash_covers_the_contents_of_meshes_and_images() {
     assert_eq!(textured(100), textured(100));
     assert_ne!(textured(100), textured(101));
 }
+
+#[test]
+fn the_hash_tells_which_instances_share_what() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+    let hash = |files: &[&str]| {
+        let object = |(i, file): (usize, &&str)| {
+            format!(
+                "[[objects]]\nshape = \"mesh\"\nfile = \"{file}\"\nmaterial = \"floor\"\n\
+                 transform = [{{ translate = [{i}, 0, 0] }}]\n\n"
+            )
+        };
+        let objects: String = files.iter().enumerate().map(object).collect();
+        let text = BALL.replace("[[lights]]", &format!("{objects}[[lights]]"));
+        load_text(&folder.path().join("s.toml"), &text, &[]).unwrap_or_else(|p| panic!("{p}")).scene.hash
+    };
+    let scenes: [&[&str]; 5] = [
+        &["a.obj", "b.obj", "a.obj"],
+        &["a.obj", "b.obj", "b.obj"],
+        &["a.obj", "a.obj", "b.obj"],
+        &["b.obj", "a.obj", "b.obj"],
+        &["a.obj", "a.obj", "a.obj"],
+    ];
+    let hashes: std::collections::HashSet<String> = scenes.iter().map(|files| hash(files)).collect();
+    assert_eq!(hashes.len(), scenes.len());
+}

@@ -1,19 +1,18 @@
 //! A pass of a small scene in its steps, for benches: what the conductors of `render` do, on one thread.
 
-use std::cell::OnceCell;
-
 use pdembree::camera::{Camera, filter_offset};
 use pdembree::estimate::{Estimate, GatherPoint, Turn};
 use pdembree::film::{EyeSample, Film, PixelBounds, Tile};
 use pdembree::import::{Override, load};
 use pdembree::math::Vec2;
 use pdembree::photon::{EmissionPlan, PhotonHarvest, PhotonMap};
+use pdembree::render::bounce::Bounces;
 use pdembree::render::exposure::{TILE_SIZE, expose};
 use pdembree::render::eye_path::{EyeFinds, EyePathTracer};
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
-use pdembree::render::{Job, RenderState, photon_map};
+use pdembree::render::{Job, RenderState, bounce_pilots, photon_map};
 use pdembree::sampling::PixelSamples;
 use pdembree::sampling::warp::{ConcentricDisk, Warp};
 use pdembree::world::World;
@@ -27,6 +26,8 @@ pub const SCENES: [&str; 2] = ["cornell", "glass"];
 pub struct Small {
     pub world: World,
     pub camera: Camera,
+    /// As its pilots found best.
+    bounces: Bounces,
 }
 
 /// What the eye finds in the pixels of a tile, but for the light of photons.
@@ -52,7 +53,9 @@ impl Small {
         let path = root().join("scenes").join(scene).join(scene).with_extension("toml");
         let loaded = load(&path, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
         let camera = Camera::new(&loaded.scene.camera).expect("a frame");
-        Small { world: World::new(loaded.scene).expect("a world"), camera }
+        let world = World::new(loaded.scene).expect("a world");
+        let bounces = bounce_pilots::learn(&world, &camera);
+        Small { world, camera, bounces }
     }
 
     pub fn of(scene: &str) -> Small {
@@ -82,7 +85,7 @@ impl Small {
     /// The whole picture; photons' light is in it where there is an estimate.
     pub fn expose(&self, finds: EyeFinds, estimate: Option<&Estimate>) -> RenderState {
         let watch = Unattended(&Silent);
-        let job = Job { world: &self.world, camera: self.camera.clone(), watch: &watch, plans: OnceCell::new() };
+        let job = Job::new(&self.world, self.camera.clone(), &watch);
         let mut state = RenderState::new(&self.world, self.pixels(), 0);
         expose(&job, finds, estimate, &mut state).expect("nobody stops it");
         state
@@ -101,6 +104,7 @@ impl Small {
             finds: EyeFinds::AllButCaustics,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
+            bounces: self.bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
         };
         let (mut samples, mut queries) = (Vec::new(), Vec::new());

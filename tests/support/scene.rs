@@ -11,16 +11,13 @@ use pdembree::shape::Shape;
 
 /// Objects in the given places, all of one matte material; object i is `geometry[i]`.
 pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene {
-    let objects: Vec<Object> = geometry
-        .into_iter()
-        .map(|geometry| Object { name: "test object".into(), geometry, material: MaterialId(0), light: None })
-        .collect();
-    let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| {
-        all.union(match &object.geometry {
-            ObjectGeometry::Mesh { mesh, to_world } => meshes[mesh.index()].bounds().transformed(to_world),
-            ObjectGeometry::Shape { shape, to_world } => shape.bounds().transformed(to_world),
-        })
-    });
+    let mesh_bounds: Vec<Bounds3> = meshes.iter().map(TriangleMesh::bounds).collect();
+    let object = |geometry: ObjectGeometry| {
+        let bounds = geometry.bounds(&mesh_bounds);
+        Object { name: "test object".into(), geometry, bounds, material: MaterialId(0), light: None }
+    };
+    let objects: Vec<Object> = geometry.into_iter().map(object).collect();
+    let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     Scene {
         objects,
         meshes,

@@ -21,8 +21,8 @@ pub(super) struct Geometry {
     pub meshes: Vec<TriangleMesh>,
     /// One for each object of the description, `None` where it is broken.
     pub placed: Vec<Option<ObjectGeometry>>,
-    /// Of all objects, world space.
-    pub bounds: Bounds3,
+    /// Around each mesh, its own space.
+    pub mesh_bounds: Vec<Bounds3>,
 }
 
 impl Geometry {
@@ -33,18 +33,8 @@ impl Geometry {
         let meshes: Vec<TriangleMesh> = description.meshes.iter_mut().map(|m| std::mem::take(&mut m.mesh)).collect();
         let place = |object: &ObjectDescription| place(object, &sound, report);
         let placed: Vec<Option<ObjectGeometry>> = description.objects.iter().map(place).collect();
-        let bounds = placed.iter().flatten().map(|g| world_bounds(g, &meshes)).fold(Bounds3::EMPTY, Bounds3::union);
-        Geometry { meshes, placed, bounds }
-    }
-}
-
-fn world_bounds(geometry: &ObjectGeometry, meshes: &[TriangleMesh]) -> Bounds3 {
-    match geometry {
-        ObjectGeometry::Mesh { mesh, to_world } => {
-            let positions = meshes.get(mesh.index()).map_or(&[][..], |m| &m.positions);
-            Bounds3::from_points(positions.iter().map(|&p| to_world.point(Point3::from_f32(p))))
-        }
-        ObjectGeometry::Shape { shape, to_world } => shape.bounds().transformed(to_world),
+        let mesh_bounds = meshes.iter().map(TriangleMesh::bounds).collect();
+        Geometry { meshes, mesh_bounds, placed }
     }
 }
 

@@ -60,7 +60,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let objects = place_objects(&description, &materials, &geometry, &mut lights, &mut report);
     check_names(&description, &mut report);
     lights::check_some_light(&lights, &description, &mut report);
-    let bounds = geometry.bounds;
+    let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     check_bounds(bounds, &description, &mut report);
     warn_without_caustics(&materials, &description, &mut report);
 
@@ -125,7 +125,8 @@ fn place_objects(
             lights.push(LightSource::Area { object, radiance, two_sided: emission.two_sided });
             LightId(lights.len() as u32 - 1)
         });
-        objects.push(Object { name: item.name.clone(), geometry: placed.clone(), material, light });
+        let bounds = placed.bounds(&geometry.mesh_bounds);
+        objects.push(Object { name: item.name.clone(), geometry: placed.clone(), bounds, material, light });
     }
     objects
 }
