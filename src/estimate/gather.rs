@@ -143,10 +143,10 @@ fn splat_all(
                 processor.dispatch(Splatting { splat: &splat, part: Part::Whole, receivers: &mut all });
                 continue;
             };
-            if splat.may_be_narrow(&all) {
+            if splat.has(Part::Narrow, all.shared_range) {
                 processor.dispatch(Splatting { splat: &splat, part: Part::Narrow, receivers: &mut all });
             }
-            if splat.may_be_wide(&all) {
+            if splat.has(Part::Wide, group.shared_range) {
                 processor.dispatch(Splatting { splat: &splat, part: Part::Wide, receivers: group });
             }
         }

@@ -21,8 +21,8 @@ pub struct Receivers<'a> {
     /// Pairs of a photon and a point so far.
     pub weighed: u64,
     pub tree: BoxTree,
-    /// The least and the greatest [`Block::shared_above`].
-    pub shared_above: [f32; 2],
+    /// Of all blocks.
+    pub shared_range: [f32; 2],
 }
 
 /// Eight points near each other. Lanes without a point are too far away for any light.
@@ -41,6 +41,8 @@ pub struct Block {
     pub widest_eye: Eight,
     /// Footprints whose shorter semi-axis, squared, is above this are wide ones: the samples of a pixel share them; m².
     pub shared_above: Eight,
+    /// The least and the greatest of them.
+    pub shared_range: [f32; 2],
     /// The BSDF's value, where it is the same for all directions of light; else 0.
     pub f: [Eight; 3],
     /// Lanes where it is not.
@@ -56,6 +58,8 @@ pub struct Sums {
 
 /// Further away than any photon can reach, and still a number whose square is one.
 const NOWHERE: f32 = 1e18;
+
+const NO_RANGE: [f32; 2] = [f32::INFINITY, 0.0];
 
 /// From how many times the eye footprint of a whole pixel on the shorter semi-axis of a footprint is wide: about two
 /// pixels. Where in the pixel it is asked then changes its light by a third, random from photon to photon; where there are
@@ -79,8 +83,10 @@ impl<'a> Receivers<'a> {
             boxes.fold(OuterBox::EMPTY, OuterBox::union)
         };
         let blocks: Vec<Block> = lanes.iter().map(block).collect();
-        let limits = blocks.iter().zip(&lanes).flat_map(|(block, lanes)| &block.shared_above[..lanes.len()]);
-        let shared_above = limits.fold([f32::INFINITY, 0.0], |[low, high], &x| [x.min(low), x.max(high)]);
+        let shared_range = blocks.iter().fold(NO_RANGE, |[low, high], block| {
+            let [least, greatest] = block.shared_range;
+            [low.min(least), high.max(greatest)]
+        });
         Receivers {
             blocks,
             sums: vec![Sums::default(); lanes.len()],
@@ -88,7 +94,7 @@ impl<'a> Receivers<'a> {
             tree: BoxTree::build(lanes.len(), |b| boxed(lanes[b])),
             order,
             points,
-            shared_above,
+            shared_range,
         }
     }
 
@@ -120,6 +126,7 @@ impl Block {
             eye: [[[0.0; WIDTH]; 3]; 2],
             widest_eye: [0.0; WIDTH],
             shared_above: [0.0; WIDTH],
+            shared_range: NO_RANGE,
             f: [[0.0; WIDTH]; 3],
             uneven: Lanes::NONE,
         }
@@ -140,7 +147,9 @@ impl Block {
         set(&mut self.eye[1], point.eye[1]);
         self.side[lane] = side(point.ng) as f32;
         self.widest_eye[lane] = widest_eye(point) as f32;
-        self.shared_above[lane] = shared_above(point) as f32;
+        let shared_above = shared_above(point) as f32;
+        self.shared_above[lane] = shared_above;
+        self.shared_range = [self.shared_range[0].min(shared_above), self.shared_range[1].max(shared_above)];
         match point.bsdf.even_value(point.wo) {
             Some(f) => set(&mut self.f, Vec3::from_array(f.to_array())),
             None => self.uneven = self.uneven.with(lane),

@@ -81,14 +81,13 @@ impl<'a> Splat<'a> {
         }
     }
 
-    /// Whether some of the points ask for all by themselves.
-    pub fn may_be_narrow(&self, receivers: &Receivers) -> bool {
-        self.minor <= receivers.shared_above[1]
-    }
-
-    /// Whether some of the points take turns.
-    pub fn may_be_wide(&self, receivers: &Receivers) -> bool {
-        self.minor > receivers.shared_above[0]
+    /// Whether it counts for some points of a range of [`Block::shared_above`].
+    pub fn has(&self, part: Part, [least, greatest]: [f32; 2]) -> bool {
+        match part {
+            Part::Whole => true,
+            Part::Narrow => self.minor <= greatest,
+            Part::Wide => self.minor > least,
+        }
     }
 
     /// Those of eight boxes of points that the footprint may reach: long thin footprints fill little of their own box.
@@ -257,6 +256,9 @@ impl Visitor for OverBlocks<'_> {
     }
     #[inline(always)]
     fn visit(&mut self, b: usize) -> ControlFlow<()> {
+        if !self.splat.has(self.part, self.blocks[b].shared_range) {
+            return ControlFlow::Continue(());
+        }
         *self.weighed += WIDTH as u64;
         if let Some(weights) = self.splat.weights(&self.blocks[b], self.part) {
             self.splat.add(&weights, &self.blocks[b], &mut self.sums[b]);
