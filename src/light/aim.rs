@@ -38,17 +38,16 @@ impl SphereCone {
         (1.0 - self.sin_squared).sqrt()
     }
 
-    /// The change of the direction over a fixed `u` when the point moves by `dx`: the axis turns, and the cone opens
-    /// as the sphere comes nearer.
-    pub fn turning(&self, u: [f64; 2], dx: Vec3) -> Vec3 {
+    /// The change of the direction `local`, in the cone's frame, over a fixed `u` when the point moves by `dx`: the axis
+    /// turns, and the cone opens as the sphere comes nearer.
+    pub fn turning(&self, local: Dir3, dx: Vec3) -> Vec3 {
         let axis = self.cone.frame.n;
         let approach = axis.dot(dx);
         let daxis = (axis * approach - dx) / self.distance;
-        let local = self.cone.warp.sample(u);
         let axes = Frame::from_unit_derivative(axis, daxis);
         // sin² = r²/d², h = 1 − cos: dh = d(sin²)/(2 cos).
         let dheight = self.sin_squared * approach / (self.distance * self.cos_half_angle());
-        let opening = self.cone.frame.to_world(self.cone.warp.height_derivative(u)) * dheight;
+        let opening = self.cone.frame.to_world(self.cone.warp.height_derivative(local)) * dheight;
         axes[0] * local.x + axes[1] * local.y + axes[2] * local.z + opening
     }
 }
@@ -66,8 +65,9 @@ impl Cone {
     pub fn pdf(&self) -> Pdf<SolidAngle> {
         Pdf::new(1.0 / self.warp.solid_angle())
     }
-    pub fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        self.warp.jacobian(u).map(|d| self.frame.to_world(d))
+    pub fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (local, columns) = self.warp.sample_with_jacobian(u);
+        (self.frame.to_world_dir(local.to_vec()), columns.map(|d| self.frame.to_world(d)))
     }
 }
 
@@ -113,10 +113,10 @@ impl Directions {
             Directions::Cone(cone) => cone.inverse(w),
         }
     }
-    pub fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
+    pub fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
         match self {
-            Directions::Sphere => UniformSphere.jacobian(u),
-            Directions::Cone(cone) => cone.jacobian(u),
+            Directions::Sphere => UniformSphere.sample_with_jacobian(u),
+            Directions::Cone(cone) => cone.sample_with_jacobian(u),
         }
     }
 }

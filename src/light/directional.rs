@@ -48,7 +48,8 @@ impl Section {
             Section::Rectangle(r) => (r.sample(u), r.jacobian(u)),
             Section::Disk { centre, radius } => {
                 let across = |d: Vec2| frame.to_world((d * radius).extend(0.0));
-                (centre + across(ConcentricDisk.sample(u)), ConcentricDisk.jacobian(u).map(across))
+                let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
+                (centre + across(disk), columns.map(across))
             }
         }
     }

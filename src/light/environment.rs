@@ -24,16 +24,14 @@ impl Light for EnvironmentLight {
     /// The disk turns with the direction about the aim's centre, so the directional columns have positions too.
     fn emit(&self, u: [f64; 4], aim: &Aim) -> Option<Emission> {
         let aimed = self.scene.aimed(aim);
-        let u_direction = [u[2], u[3]];
-        let direction = UniformSphere.sample(u_direction);
+        let (direction, turnings) = UniformSphere.sample_with_jacobian([u[2], u[3]]);
         let frame = Frame::from_unit(direction);
-        let disk = ConcentricDisk.sample([u[0], u[1]]) * aimed.radius;
+        let (disk, columns) = ConcentricDisk.sample_with_jacobian([u[0], u[1]]);
+        let disk = disk * aimed.radius;
         let upstream = self.scene.upstream(aimed.centre, direction);
         let origin = aimed.centre + frame.t * disk.x + frame.b * disk.y - direction * upstream;
-        let position = ConcentricDisk
-            .jacobian([u[0], u[1]])
-            .map(|d| Column::position(frame.to_world((d * aimed.radius).extend(0.0))));
-        let turning = UniformSphere.jacobian(u_direction).map(|dw| {
+        let position = columns.map(|d| Column::position(frame.to_world((d * aimed.radius).extend(0.0))));
+        let turning = turnings.map(|dw| {
             let axes = Frame::from_unit_derivative(direction, dw);
             let d_upstream = dw.dot(aimed.centre - self.scene.centre);
             Column { dx: axes[0] * disk.x + axes[1] * disk.y - dw * upstream - direction * d_upstream, dw }

@@ -20,15 +20,15 @@ impl Light for PointLight {
 
     fn emit(&self, u: [f64; 4], aim: &Aim) -> Option<Emission> {
         let directions = Directions::towards(self.position, aim);
-        let u_direction = [u[2], u[3]];
+        let (direction, columns) = directions.sample_with_jacobian([u[2], u[3]]);
         Some(Emission {
             origin: self.position,
-            direction: directions.sample(u_direction),
+            direction,
             normal: None,
             flux: Flux(self.intensity.0 * directions.solid_angle()),
             pdf_a: None,
             pdf_w: Some(directions.pdf()),
-            jacobian: direction_columns(directions.jacobian(u_direction)),
+            jacobian: direction_columns(columns),
         })
     }
 

@@ -115,8 +115,7 @@ impl Light for SpotLight {
     /// `None` where the own cone and the aim's do not overlap: what is drawn from the narrower one is lost there.
     fn emit(&self, u: [f64; 4], aim: &Aim) -> Option<Emission> {
         let (cone, required) = self.directions(aim);
-        let u_direction = [u[2], u[3]];
-        let direction = cone.sample(u_direction);
+        let (direction, columns) = cone.sample_with_jacobian([u[2], u[3]]);
         let falloff = self.falloff(direction.dot(self.cone.frame.n));
         if falloff <= 0.0 || required.is_some_and(|c| !c.contains(direction)) {
             return None;
@@ -128,7 +127,7 @@ impl Light for SpotLight {
             flux: Flux(self.intensity.0 * (falloff * cone.warp.solid_angle())),
             pdf_a: None,
             pdf_w: Some(cone.pdf()),
-            jacobian: direction_columns(cone.jacobian(u_direction)),
+            jacobian: direction_columns(columns),
         })
     }
 

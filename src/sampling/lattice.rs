@@ -34,9 +34,9 @@ impl Rank1Lattice {
     }
 
     fn korobov(n: u64, g: u64) -> Rank1Lattice {
-        let times_g = |x: u64| (u128::from(x) * u128::from(g) % u128::from(n)) as u64;
-        let [g1, g2] = [times_g(1), times_g(times_g(1))];
-        Rank1Lattice { n, generator: [1, g1, g2, times_g(g2)] }
+        let g1 = g % n;
+        let g2 = product_modulo(g1, g, n);
+        Rank1Lattice { n, generator: [1, g1, g2, product_modulo(g2, g, n)] }
     }
 
     pub fn len(&self) -> u64 {
@@ -48,7 +48,7 @@ impl Rank1Lattice {
 
     /// Point `i`, 0 ≤ i < n.
     pub fn point(&self, i: u64) -> [f64; 4] {
-        self.generator.map(|g| (u128::from(i) * u128::from(g) % u128::from(self.n)) as f64 / self.n as f64)
+        self.generator.map(|g| product_modulo(i, g, self.n) as f64 / self.n as f64)
     }
 
     /// Squared length of the shortest non-zero wave, in cells.
@@ -60,6 +60,11 @@ impl Rank1Lattice {
         reduce(&mut basis);
         basis.iter().map(|&b| dot(b, b)).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// a b mod n of numbers below 2n. Half as wide, a division takes a fifth of the time.
+fn product_modulo(a: u64, b: u64, n: u64) -> u64 {
+    if n < 1 << 31 { a * b % n } else { (u128::from(a) * u128::from(b) % u128::from(n)) as u64 }
 }
 
 type Vec4 = [f64; 4];

@@ -78,8 +78,8 @@ impl Sphere {
     }
 
     pub(super) fn sample_area(&self, u: [f64; 2]) -> AreaSample {
-        let n = UniformSphere.sample(u).normalize();
-        let [du, dv] = UniformSphere.jacobian(u);
+        let (n, [du, dv]) = UniformSphere.sample_with_jacobian(u);
+        let n = n.normalize();
         AreaSample {
             p: self.centre + n * self.radius,
             n: Normal3::from_unit(n),

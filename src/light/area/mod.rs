@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use self::mesh::MeshSurface;
 use self::shape::ShapeSurface;
-use super::aim::{Directions, SphereCone};
+use super::aim::{Cone, Directions, SphereCone};
 use super::{Aim, Emission, Light, LightSample};
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Frame, Normal3, Point3, Transform, Vec3};
@@ -137,22 +137,24 @@ impl AreaLight {
 
     fn leave(&self, at: &SurfacePoint, u: [f64; 2], aim: &Aim) -> Option<Leaving> {
         if let Some(towards) = AreaLight::cone(at.p, aim) {
-            let [dtheta, dphi] = towards.cone.jacobian(u);
-            let dw = [towards.turning(u, at.dpdu), towards.turning(u, at.dpdv), dtheta, dphi];
-            return Some(Leaving { w: towards.cone.sample(u), pdf: towards.cone.pdf(), dw });
+            let Cone { frame, warp } = towards.cone;
+            let (local, columns) = warp.sample_with_jacobian(u);
+            let [dtheta, dphi] = columns.map(|d| frame.to_world(d));
+            let dw = [towards.turning(local, at.dpdu), towards.turning(local, at.dpdv), dtheta, dphi];
+            return Some(Leaving { w: frame.to_world_dir(local.to_vec()), pdf: towards.cone.pdf(), dw });
         }
         // A two-sided light splits θ in halves, one for each side.
         let upper = !self.two_sided || u[0] < 0.5;
         let folded = [if self.two_sided { (2.0 * u[0]).fract() } else { u[0] }, u[1]];
         let side = Vec3::new(1.0, 1.0, if upper { 1.0 } else { -1.0 });
         let frame = Frame::from_unit(at.n);
-        let local = CosineHemisphere.sample(folded);
+        let (local, columns) = CosineHemisphere.sample_with_jacobian(folded);
         let axes_along = |dn: Vec3| {
             let axes = Frame::from_unit_derivative(at.n, dn);
             let local = local.to_vec() * side;
             axes[0] * local.x + axes[1] * local.y + axes[2] * local.z
         };
-        let [dtheta, dphi] = CosineHemisphere.jacobian(folded).map(|d| frame.to_world(d * side));
+        let [dtheta, dphi] = columns.map(|d| frame.to_world(d * side));
         let w = frame.to_world_dir(local.to_vec() * side);
         // Not every direction of the hemisphere reaches a wide aim.
         Directions::towards(at.p, aim).contains(w).then(|| Leaving {

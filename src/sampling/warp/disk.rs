@@ -23,18 +23,7 @@ impl Warp for ConcentricDisk {
     type Measure = Area;
 
     fn sample(&self, u: [f64; 2]) -> Vec2 {
-        let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        if a == 0.0 && b == 0.0 {
-            return Vec2::ZERO;
-        }
-        // Squares become circles: the larger coordinate is the signed radius, the ratio the angle.
-        if a.abs() > b.abs() {
-            let (sin, cos) = (FRAC_PI_4 * (b / a)).sin_cos();
-            Vec2::new(a * cos, a * sin)
-        } else {
-            let (sin, cos) = (FRAC_PI_4 * (a / b)).sin_cos();
-            Vec2::new(b * sin, b * cos)
-        }
+        self.sample_with_jacobian(u).0
     }
 
     fn pdf(&self, x: Vec2) -> Pdf<Area> {
@@ -57,17 +46,22 @@ impl Warp for ConcentricDisk {
     }
 
     fn jacobian(&self, u: [f64; 2]) -> [Vec2; 2] {
+        self.sample_with_jacobian(u).1
+    }
+
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Vec2, [Vec2; 2]) {
         let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        // With r = a, φ = (π/4) b/a: ∂r/∂a = 1, r ∂φ/∂a = −φ, r ∂φ/∂b = π/4; a factor 2 from the square's size.
-        if a.abs() > b.abs() {
-            let phi = FRAC_PI_4 * (b / a);
-            let (sin, cos) = phi.sin_cos();
-            [2.0 * Vec2::new(cos + phi * sin, sin - phi * cos), 2.0 * FRAC_PI_4 * Vec2::new(-sin, cos)]
-        } else {
-            let phi = if b == 0.0 { 0.0 } else { FRAC_PI_4 * (a / b) };
-            let (sin, cos) = phi.sin_cos();
-            [2.0 * FRAC_PI_4 * Vec2::new(cos, -sin), 2.0 * Vec2::new(sin - phi * cos, cos + phi * sin)]
-        }
+        // Squares become circles: the larger coordinate is the signed radius r, the ratio the angle φ = (π/4) b/a. Then
+        // ∂r/∂a = 1, r ∂φ/∂a = −φ, r ∂φ/∂b = π/4; a factor 2 from the square's size.
+        let steep = a.abs() <= b.abs();
+        let swapped = |v: Vec2| Vec2::new(v.y, v.x);
+        let (r, other) = if steep { (b, a) } else { (a, b) };
+        let phi = if r == 0.0 { 0.0 } else { FRAC_PI_4 * (other / r) };
+        let (sin, cos) = phi.sin_cos();
+        let out = Vec2::new(r * cos, r * sin);
+        let along = 2.0 * Vec2::new(cos + phi * sin, sin - phi * cos);
+        let across = 2.0 * FRAC_PI_4 * Vec2::new(-sin, cos);
+        if steep { (swapped(out), [swapped(across), swapped(along)]) } else { (out, [along, across]) }
     }
 }
 
@@ -87,8 +81,7 @@ impl Warp for CosineHemisphere {
     type Measure = SolidAngle;
 
     fn sample(&self, u: [f64; 2]) -> Dir3 {
-        let disk = ConcentricDisk.sample(u);
-        Dir3::from_unit(disk.extend(lifted(disk)))
+        self.sample_with_jacobian(u).0
     }
 
     fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
@@ -100,9 +93,13 @@ impl Warp for CosineHemisphere {
     }
 
     fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        let disk = ConcentricDisk.sample(u);
+        self.sample_with_jacobian(u).1
+    }
+
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
         let z = lifted(disk);
-        ConcentricDisk.jacobian(u).map(|d| d.extend(-disk.dot(d) / z))
+        (Dir3::from_unit(disk.extend(z)), columns.map(|d| d.extend(-disk.dot(d) / z)))
     }
 }
 
@@ -134,20 +131,11 @@ impl UniformCone {
         2.0 * PI * self.height
     }
 
-    /// The direction over a disk point, and the sine per unit of the disk's radius.
-    fn over(&self, disk: Vec2) -> (Vec3, f64) {
-        let r2 = disk.length_squared();
-        // sin²θ = (1 − z)(1 + z) = h r² (2 − h r²).
-        let s = (self.height * (2.0 - self.height * r2).max(HORIZON)).sqrt();
-        ((s * disk).extend(1.0 - self.height * r2), s)
-    }
-
-    /// ∂ω/∂h at fixed `u`, h = [`UniformCone::height`]: how directions move when the cone opens.
-    pub fn height_derivative(&self, u: [f64; 2]) -> Vec3 {
-        let disk = ConcentricDisk.sample(u);
-        let r2 = disk.length_squared();
-        let (_, s) = self.over(disk);
-        ((1.0 - self.height * r2) / s * disk).extend(-r2)
+    /// ∂ω/∂h at fixed `u`, h = [`UniformCone::height`]: how the direction `w`, one of [`UniformCone::sample`]'s, moves when
+    /// the cone opens. With w = (s x, s y, 1 − h r²) over the disk point (x, y) and s² = h (1 + w_z).
+    pub fn height_derivative(&self, w: Dir3) -> Vec3 {
+        let outward = w.z / (self.height * (1.0 + w.z).max(HORIZON));
+        Vec3::new(w.x * outward, w.y * outward, (w.z - 1.0) / self.height)
     }
 }
 
@@ -157,7 +145,7 @@ impl Warp for UniformCone {
     type Measure = SolidAngle;
 
     fn sample(&self, u: [f64; 2]) -> Dir3 {
-        Dir3::from_unit(self.over(ConcentricDisk.sample(u)).0)
+        self.sample_with_jacobian(u).0
     }
 
     fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
@@ -170,12 +158,19 @@ impl Warp for UniformCone {
     }
 
     fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        let disk = ConcentricDisk.sample(u);
-        let (_, s) = self.over(disk);
-        ConcentricDisk.jacobian(u).map(|d| {
+        self.sample_with_jacobian(u).1
+    }
+
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
+        let r2 = disk.length_squared();
+        // sin²θ = (1 − z)(1 + z) = h r² (2 − h r²) = r² s².
+        let s = (self.height * (2.0 - self.height * r2).max(HORIZON)).sqrt();
+        let column = |d: Vec2| {
             let dr2 = 2.0 * disk.dot(d);
             let ds = -0.5 * self.height * self.height / s * dr2;
             (s * d + ds * disk).extend(-self.height * dr2)
-        })
+        };
+        (Dir3::from_unit((s * disk).extend(1.0 - self.height * r2)), columns.map(column))
     }
 }

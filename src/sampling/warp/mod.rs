@@ -32,4 +32,8 @@ pub trait Warp {
     fn inverse(&self, x: Self::Out) -> Option<[f64; 2]>;
     /// The columns ∂out/∂u₀, ∂out/∂u₁ at `u`. On the seams of a piecewise map one of the one-sided derivatives.
     fn jacobian(&self, u: [f64; 2]) -> [Self::Tangent; 2];
+    /// Both, for maps that share their sines.
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Self::Out, [Self::Tangent; 2]) {
+        (self.sample(u), self.jacobian(u))
+    }
 }

@@ -27,17 +27,14 @@ impl Octahedral {
         Octahedral { signs, side: if d < 0.0 { -1.0 } else { 1.0 }, r, t }
     }
 
-    fn direction(&self) -> Vec3 {
+    /// The direction with ∂direction/∂a and ∂direction/∂b.
+    fn direction_with_derivatives(&self) -> (Vec3, [Vec3; 2]) {
         let (sin, cos) = (FRAC_PI_4 * (self.t + 1.0)).sin_cos();
         // sin θ = √(1 − z²) with |z| = 1 − r².
-        let q = self.r * (2.0 - self.r * self.r).sqrt();
-        Vec3::new(self.signs[0] * q * cos, self.signs[1] * q * sin, self.side * (1.0 - self.r * self.r))
-    }
-
-    /// ∂direction/∂a and ∂direction/∂b.
-    fn derivatives(&self) -> [Vec3; 2] {
-        let (sin, cos) = (FRAC_PI_4 * (self.t + 1.0)).sin_cos();
         let root = (2.0 - self.r * self.r).sqrt();
+        let q = self.r * root;
+        let direction =
+            Vec3::new(self.signs[0] * q * cos, self.signs[1] * q * sin, self.side * (1.0 - self.r * self.r));
         // dr = ±(d|a| + d|b|), d sin θ = (2 − 2r²)/√(2 − r²) dr, sin θ dφ = (π/4) √(2 − r²) r dt.
         let radial = self.side * (2.0 - 2.0 * self.r * self.r) / root;
         let column = |own: f64| {
@@ -48,7 +45,7 @@ impl Octahedral {
                 -2.0 * self.r,
             )
         };
-        [column(-1.0) * self.signs[0], column(1.0) * self.signs[1]]
+        (direction, [column(-1.0) * self.signs[0], column(1.0) * self.signs[1]])
     }
 
     /// (a, b) of a unit vector.
@@ -72,8 +69,7 @@ impl Warp for UniformSphere {
     type Measure = SolidAngle;
 
     fn sample(&self, u: [f64; 2]) -> Dir3 {
-        let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        Dir3::from_unit(Octahedral::new(a, b).direction())
+        self.sample_with_jacobian(u).0
     }
     fn pdf(&self, _: Dir3) -> Pdf<SolidAngle> {
         Pdf::new(0.25 / PI)
@@ -82,8 +78,12 @@ impl Warp for UniformSphere {
         Some(Octahedral::inverse(w.to_vec()).map(|a| 0.5 * (a + 1.0)))
     }
     fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
+        self.sample_with_jacobian(u).1
+    }
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
         let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        Octahedral::new(a, b).derivatives().map(|d| 2.0 * d)
+        let (direction, derivatives) = Octahedral::new(a, b).direction_with_derivatives();
+        (Dir3::from_unit(direction), derivatives.map(|d| 2.0 * d))
     }
 }
 
@@ -106,7 +106,7 @@ impl Warp for UniformHemisphere {
     type Measure = SolidAngle;
 
     fn sample(&self, u: [f64; 2]) -> Dir3 {
-        Dir3::from_unit(Self::octahedral(u).direction())
+        self.sample_with_jacobian(u).0
     }
     fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
         Pdf::new(if w.z >= 0.0 { 0.5 / PI } else { 0.0 })
@@ -119,7 +119,10 @@ impl Warp for UniformHemisphere {
         Some([0.5 * (1.0 + a + b), 0.5 * (1.0 + b - a)].map(|u| u.clamp(0.0, 1.0)))
     }
     fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        let [da, db] = Self::octahedral(u).derivatives();
-        [da + db, db - da]
+        self.sample_with_jacobian(u).1
+    }
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (direction, [da, db]) = Self::octahedral(u).direction_with_derivatives();
+        (Dir3::from_unit(direction), [da + db, db - da])
     }
 }
