@@ -26,8 +26,6 @@ pub const SCENES: [&str; 2] = ["cornell", "glass"];
 pub struct Small {
     pub world: World,
     pub camera: Camera,
-    /// As its pilots found best.
-    bounces: Bounces,
 }
 
 /// What the eye finds in the pixels of a tile, but for the light of photons.
@@ -54,8 +52,7 @@ impl Small {
         let loaded = load(&path, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
         let camera = Camera::new(&loaded.scene.camera).expect("a frame");
         let world = World::new(loaded.scene).expect("a world");
-        let bounces = bounce_pilots::learn(&world, &camera);
-        Small { world, camera, bounces }
+        Small { world, camera }
     }
 
     pub fn of(scene: &str) -> Small {
@@ -94,17 +91,18 @@ impl Small {
     /// Tile by tile, what is there before photons are asked and before the film gets it.
     pub fn seen(&self) -> Vec<Seen> {
         let PixelBounds { x1, y1, .. } = self.pixels();
-        PixelBounds::tiles(x1, y1, TILE_SIZE).into_iter().map(|bounds| self.look(bounds)).collect()
+        let bounces = bounce_pilots::learn(&self.world, &self.camera);
+        PixelBounds::tiles(x1, y1, TILE_SIZE).into_iter().map(|bounds| self.look(bounds, bounces)).collect()
     }
 
-    fn look(&self, bounds: PixelBounds) -> Seen {
+    fn look(&self, bounds: PixelBounds, bounces: Bounces) -> Seen {
         let settings = &self.world.scene.settings;
         let tracer = EyePathTracer {
             world: &self.world,
             finds: EyeFinds::AllButCaustics,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
-            bounces: self.bounces,
+            bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
         };
         let (mut samples, mut queries) = (Vec::new(), Vec::new());
