@@ -43,7 +43,7 @@ impl Share {
     /// Equal parts for a source whose image is `ratio` = B/D times as wide as all its directions'.
     ///
     /// Cells that fill positions × directions, p d = 1/n, have parts of the area f = B D/√n. Their overlap, about
-    /// 2 n f/(B² + D²), grows like √n: at [`FULL_OVERLAP`] they shrink to [`FILL`] of that. A pair too small to be cut is
+    /// 2 n f/(B² + D²), grows like √n: at [`FULL_OVERLAP`] they shrink to `FILL` of that. A pair too small to be cut is
     /// one cell, and the other pair gets all n.
     pub fn equal_parts(n: u64, ratio: f64) -> Share {
         let n = n as f64;
