@@ -45,7 +45,7 @@ impl Section {
     }
     fn sample(&self, frame: &Frame, u: [f64; 2]) -> Placed {
         match *self {
-            Section::Rectangle(r) => (r.sample(u), r.jacobian(u)),
+            Section::Rectangle(r) => r.sample_with_jacobian(u),
             Section::Disk { centre, radius } => {
                 let across = |d: Vec2| frame.to_world((d * radius).extend(0.0));
                 let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);

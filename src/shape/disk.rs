@@ -68,8 +68,7 @@ impl Disk {
 
     pub(super) fn sample_area(&self, u: [f64; 2]) -> AreaSample {
         let in_plane = |v: Vec2| self.frame.to_world(v.extend(0.0)) * self.radius;
-        let [du, dv] = ConcentricDisk.jacobian(u);
-        let p = ConcentricDisk.sample(u);
+        let (p, [du, dv]) = ConcentricDisk.sample_with_jacobian(u);
         AreaSample { p: self.centre + in_plane(p), n: self.normal(), dpdu: in_plane(du), dpdv: in_plane(dv) }
     }
 

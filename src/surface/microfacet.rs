@@ -102,10 +102,17 @@ impl Warp for VisibleNormals {
     type Tangent = Vec3;
     type Measure = SolidAngle;
 
-    fn sample(&self, u: [f64; 2]) -> Dir3 {
-        let h = self.squeezed(self.cap.sample(u).to_vec() + self.stretched);
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (cap, columns) = self.cap.sample_with_jacobian(u);
+        let h = self.squeezed(cap.to_vec() + self.stretched);
+        let length = h.length();
         // Only a point of the cap's very rim can be opposite to the direction.
-        Dir3::new(h).unwrap_or(Dir3::Z)
+        let m = Dir3::new(h).unwrap_or(Dir3::Z);
+        let column = |d: Vec3| {
+            let dh = self.squeezed(d);
+            (dh - m.to_vec() * m.dot(dh)) / length
+        };
+        (m, columns.map(column))
     }
 
     fn pdf(&self, m: Dir3) -> Pdf<SolidAngle> {
@@ -118,16 +125,6 @@ impl Warp for VisibleNormals {
         }
         let h = Vec3::new(m.x / self.facets.alpha, m.y / self.facets.alpha, m.z).normalize();
         self.cap.inverse(Dir3::from_unit(2.0 * self.stretched.dot(h) * h - self.stretched))
-    }
-
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        let h = self.squeezed(self.cap.sample(u).to_vec() + self.stretched);
-        let length = h.length();
-        let m = h / length;
-        self.cap.jacobian(u).map(|d| {
-            let dh = self.squeezed(d);
-            (dh - m * m.dot(dh)) / length
-        })
     }
 }
 

@@ -51,8 +51,7 @@ impl Small {
         let path = root().join("scenes").join(scene).join(scene).with_extension("toml");
         let loaded = load(&path, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
         let camera = Camera::new(&loaded.scene.camera).expect("a frame");
-        let world = World::new(loaded.scene).expect("a world");
-        Small { world, camera }
+        Small { world: World::new(loaded.scene).expect("a world"), camera }
     }
 
     pub fn of(scene: &str) -> Small {

@@ -34,11 +34,11 @@ impl MeshSurface {
     pub fn sample(&self, u: [f64; 2]) -> Option<SurfacePoint> {
         let choice = self.mosaic.sample(u);
         let triangle = &self.triangles[choice.index];
-        let [du, dv] = triangle.jacobian(choice.reused);
+        let (p, [du, dv]) = triangle.sample_with_jacobian(choice.reused);
         let [a, b, c] = triangle.corners;
         let outward = (b - a).cross(c - a) * if self.mirrored { -1.0 } else { 1.0 };
         Some(SurfacePoint {
-            p: triangle.sample(choice.reused),
+            p,
             n: Normal3::new(outward)?,
             dpdu: du * choice.stretch[0],
             dpdv: dv * choice.stretch[1],

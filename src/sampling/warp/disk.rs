@@ -22,8 +22,19 @@ impl Warp for ConcentricDisk {
     type Tangent = Vec2;
     type Measure = Area;
 
-    fn sample(&self, u: [f64; 2]) -> Vec2 {
-        self.sample_with_jacobian(u).0
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Vec2, [Vec2; 2]) {
+        let [a, b] = u.map(|x| 2.0 * x - 1.0);
+        // Squares become circles: the larger coordinate is the signed radius r, the ratio the angle φ = (π/4) b/a. Then
+        // ∂r/∂a = 1, r ∂φ/∂a = −φ, r ∂φ/∂b = π/4; a factor 2 from the square's size.
+        let steep = a.abs() <= b.abs();
+        let swapped = |v: Vec2| Vec2::new(v.y, v.x);
+        let (r, other) = if steep { (b, a) } else { (a, b) };
+        let phi = if r == 0.0 { 0.0 } else { FRAC_PI_4 * (other / r) };
+        let (sin, cos) = phi.sin_cos();
+        let out = Vec2::new(r * cos, r * sin);
+        let along = 2.0 * Vec2::new(cos + phi * sin, sin - phi * cos);
+        let across = 2.0 * FRAC_PI_4 * Vec2::new(-sin, cos);
+        if steep { (swapped(out), [swapped(across), swapped(along)]) } else { (out, [along, across]) }
     }
 
     fn pdf(&self, x: Vec2) -> Pdf<Area> {
@@ -44,25 +55,6 @@ impl Warp for ConcentricDisk {
         };
         (r <= 1.0 + ROUNDING).then(|| square.map(|a| (0.5 * (a + 1.0)).clamp(0.0, 1.0)))
     }
-
-    fn jacobian(&self, u: [f64; 2]) -> [Vec2; 2] {
-        self.sample_with_jacobian(u).1
-    }
-
-    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Vec2, [Vec2; 2]) {
-        let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        // Squares become circles: the larger coordinate is the signed radius r, the ratio the angle φ = (π/4) b/a. Then
-        // ∂r/∂a = 1, r ∂φ/∂a = −φ, r ∂φ/∂b = π/4; a factor 2 from the square's size.
-        let steep = a.abs() <= b.abs();
-        let swapped = |v: Vec2| Vec2::new(v.y, v.x);
-        let (r, other) = if steep { (b, a) } else { (a, b) };
-        let phi = if r == 0.0 { 0.0 } else { FRAC_PI_4 * (other / r) };
-        let (sin, cos) = phi.sin_cos();
-        let out = Vec2::new(r * cos, r * sin);
-        let along = 2.0 * Vec2::new(cos + phi * sin, sin - phi * cos);
-        let across = 2.0 * FRAC_PI_4 * Vec2::new(-sin, cos);
-        if steep { (swapped(out), [swapped(across), swapped(along)]) } else { (out, [along, across]) }
-    }
 }
 
 /// Density cos θ/π over the upper hemisphere: the concentric disk lifted straight up.
@@ -80,8 +72,10 @@ impl Warp for CosineHemisphere {
     type Tangent = Vec3;
     type Measure = SolidAngle;
 
-    fn sample(&self, u: [f64; 2]) -> Dir3 {
-        self.sample_with_jacobian(u).0
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
+        let z = lifted(disk);
+        (Dir3::from_unit(disk.extend(z)), columns.map(|d| d.extend(-disk.dot(d) / z)))
     }
 
     fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
@@ -90,16 +84,6 @@ impl Warp for CosineHemisphere {
 
     fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
         if w.z > 0.0 { ConcentricDisk.inverse(w.truncate()) } else { None }
-    }
-
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        self.sample_with_jacobian(u).1
-    }
-
-    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
-        let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
-        let z = lifted(disk);
-        (Dir3::from_unit(disk.extend(z)), columns.map(|d| d.extend(-disk.dot(d) / z)))
     }
 }
 
@@ -144,23 +128,6 @@ impl Warp for UniformCone {
     type Tangent = Vec3;
     type Measure = SolidAngle;
 
-    fn sample(&self, u: [f64; 2]) -> Dir3 {
-        self.sample_with_jacobian(u).0
-    }
-
-    fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
-        Pdf::new(if self.inverse(w).is_some() { 1.0 / self.solid_angle() } else { 0.0 })
-    }
-
-    fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
-        let s = (self.height * (1.0 + w.z)).sqrt();
-        if s > 0.0 { ConcentricDisk.inverse(w.truncate() / s) } else { None }
-    }
-
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        self.sample_with_jacobian(u).1
-    }
-
     fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
         let (disk, columns) = ConcentricDisk.sample_with_jacobian(u);
         let r2 = disk.length_squared();
@@ -172,5 +139,14 @@ impl Warp for UniformCone {
             (s * d + ds * disk).extend(-self.height * dr2)
         };
         (Dir3::from_unit((s * disk).extend(1.0 - self.height * r2)), columns.map(column))
+    }
+
+    fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
+        Pdf::new(if self.inverse(w).is_some() { 1.0 / self.solid_angle() } else { 0.0 })
+    }
+
+    fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
+        let s = (self.height * (1.0 + w.z)).sqrt();
+        if s > 0.0 { ConcentricDisk.inverse(w.truncate() / s) } else { None }
     }
 }

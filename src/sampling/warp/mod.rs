@@ -24,16 +24,19 @@ pub trait Warp {
     /// What the density is per unit of.
     type Measure;
 
-    /// The image of `u` in [0, 1)².
-    fn sample(&self, u: [f64; 2]) -> Self::Out;
+    /// The image of `u` in [0, 1)² with the columns ∂out/∂u₀, ∂out/∂u₁, which share most of their work. On the seams of a
+    /// piecewise map one of the one-sided derivatives.
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Self::Out, [Self::Tangent; 2]);
+    /// The image alone.
+    fn sample(&self, u: [f64; 2]) -> Self::Out {
+        self.sample_with_jacobian(u).0
+    }
+    /// The columns alone.
+    fn jacobian(&self, u: [f64; 2]) -> [Self::Tangent; 2] {
+        self.sample_with_jacobian(u).1
+    }
     /// Density of `sample` at `x`, zero outside its range.
     fn pdf(&self, x: Self::Out) -> Pdf<Self::Measure>;
     /// The u in [0, 1]² with `sample(u) = x`; `None` outside the range.
     fn inverse(&self, x: Self::Out) -> Option<[f64; 2]>;
-    /// The columns ∂out/∂u₀, ∂out/∂u₁ at `u`. On the seams of a piecewise map one of the one-sided derivatives.
-    fn jacobian(&self, u: [f64; 2]) -> [Self::Tangent; 2];
-    /// Both, for maps that share their sines.
-    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Self::Out, [Self::Tangent; 2]) {
-        (self.sample(u), self.jacobian(u))
-    }
 }

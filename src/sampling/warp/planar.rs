@@ -40,17 +40,15 @@ impl Warp for Parallelogram {
     type Tangent = Vec3;
     type Measure = Area;
 
-    fn sample(&self, u: [f64; 2]) -> Point3 {
-        self.centre + self.a * (2.0 * u[0] - 1.0) + self.b * (2.0 * u[1] - 1.0)
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Point3, [Vec3; 2]) {
+        let point = self.centre + self.a * (2.0 * u[0] - 1.0) + self.b * (2.0 * u[1] - 1.0);
+        (point, [2.0 * self.a, 2.0 * self.b])
     }
     fn pdf(&self, x: Point3) -> Pdf<Area> {
         Pdf::new(if self.inverse(x).is_some() { 1.0 / self.area() } else { 0.0 })
     }
     fn inverse(&self, x: Point3) -> Option<[f64; 2]> {
         within_unit(coordinates(self.a, self.b, x - self.centre).map(|c| 0.5 * (c + 1.0)))
-    }
-    fn jacobian(&self, _: [f64; 2]) -> [Vec3; 2] {
-        [2.0 * self.a, 2.0 * self.b]
     }
 }
 
@@ -77,10 +75,12 @@ impl Warp for Triangle {
     type Tangent = Vec3;
     type Measure = Area;
 
-    fn sample(&self, u: [f64; 2]) -> Point3 {
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Point3, [Vec3; 2]) {
         let [e1, e2] = self.edges();
+        // The smaller coordinate is shared out between both edges.
         let half = 0.5 * u[0].min(u[1]);
-        self.corners[0] + e1 * (u[0] - half) + e2 * (u[1] - half)
+        let point = self.corners[0] + e1 * (u[0] - half) + e2 * (u[1] - half);
+        (point, if u[0] < u[1] { [0.5 * (e1 - e2), e2] } else { [e1, 0.5 * (e2 - e1)] })
     }
     fn pdf(&self, x: Point3) -> Pdf<Area> {
         Pdf::new(if self.inverse(x).is_some() { 1.0 / self.area() } else { 0.0 })
@@ -93,10 +93,5 @@ impl Warp for Triangle {
         }
         let half = b1.min(b2);
         within_unit([b1 + half, b2 + half])
-    }
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        let [e1, e2] = self.edges();
-        // The smaller coordinate is the one that is shared out between both edges.
-        if u[0] < u[1] { [0.5 * (e1 - e2), e2] } else { [e1, 0.5 * (e2 - e1)] }
     }
 }

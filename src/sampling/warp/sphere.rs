@@ -68,22 +68,16 @@ impl Warp for UniformSphere {
     type Tangent = Vec3;
     type Measure = SolidAngle;
 
-    fn sample(&self, u: [f64; 2]) -> Dir3 {
-        self.sample_with_jacobian(u).0
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let [a, b] = u.map(|x| 2.0 * x - 1.0);
+        let (direction, derivatives) = Octahedral::new(a, b).direction_with_derivatives();
+        (Dir3::from_unit(direction), derivatives.map(|d| 2.0 * d))
     }
     fn pdf(&self, _: Dir3) -> Pdf<SolidAngle> {
         Pdf::new(0.25 / PI)
     }
     fn inverse(&self, w: Dir3) -> Option<[f64; 2]> {
         Some(Octahedral::inverse(w.to_vec()).map(|a| 0.5 * (a + 1.0)))
-    }
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        self.sample_with_jacobian(u).1
-    }
-    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
-        let [a, b] = u.map(|x| 2.0 * x - 1.0);
-        let (direction, derivatives) = Octahedral::new(a, b).direction_with_derivatives();
-        (Dir3::from_unit(direction), derivatives.map(|d| 2.0 * d))
     }
 }
 
@@ -105,8 +99,9 @@ impl Warp for UniformHemisphere {
     type Tangent = Vec3;
     type Measure = SolidAngle;
 
-    fn sample(&self, u: [f64; 2]) -> Dir3 {
-        self.sample_with_jacobian(u).0
+    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
+        let (direction, [da, db]) = Self::octahedral(u).direction_with_derivatives();
+        (Dir3::from_unit(direction), [da + db, db - da])
     }
     fn pdf(&self, w: Dir3) -> Pdf<SolidAngle> {
         Pdf::new(if w.z >= 0.0 { 0.5 / PI } else { 0.0 })
@@ -117,12 +112,5 @@ impl Warp for UniformHemisphere {
         }
         let [a, b] = Octahedral::inverse(w.to_vec());
         Some([0.5 * (1.0 + a + b), 0.5 * (1.0 + b - a)].map(|u| u.clamp(0.0, 1.0)))
-    }
-    fn jacobian(&self, u: [f64; 2]) -> [Vec3; 2] {
-        self.sample_with_jacobian(u).1
-    }
-    fn sample_with_jacobian(&self, u: [f64; 2]) -> (Dir3, [Vec3; 2]) {
-        let (direction, [da, db]) = Self::octahedral(u).direction_with_derivatives();
-        (Dir3::from_unit(direction), [da + db, db - da])
     }
 }
