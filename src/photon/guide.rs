@@ -1,25 +1,15 @@
 //! Which part of a light's emission map reaches specular surfaces and makes caustics.
 //!
-//! Pilot photons from every cell of a grid over the leading pair of the map say so once for a render, and on the way for
-//! the other pair: which side of a lamp looks at the glass. The map is then filled more densely: all points are kept in
-//! cells that led to a stored photon and in their neighbours, few elsewhere. One even set of points is thinned and not a
-//! set for each cell laid out, so that a lattice has no seams; where pilots found nothing some photons still go, of more
-//! light and wider footprints, so that nothing is lost that they missed.
+//! A survey by pilot photons says so once for a render for the leading pair of the map, and on the way for the other pair:
+//! which side of a lamp looks at the glass. The map is then filled more densely: all points are kept in cells that led to
+//! a stored photon and in their neighbours, few elsewhere. One even set of points is thinned and not a set for each cell
+//! laid out, so that a lattice has no seams; where pilots found nothing some photons still go, of more light and wider
+//! footprints, so that nothing is lost that they missed.
 
-use super::emit::leading;
-use super::trace::PhotonTracer;
-use crate::light::{Aim, Light};
-use crate::sampling::{Purpose, Stream, qmc};
-use crate::scene::LightId;
+use super::survey::{Cell, Survey, neighbours};
 
-/// Cells along a side of the grid at most.
+/// Cells along a side of the other pair's grid at most.
 const MAX_CELLS: usize = 128;
-/// Below so many there is nothing to be learnt.
-const MIN_CELLS: usize = 8;
-/// Pilots in a cell, at the points of a golden lattice.
-pub const PILOTS_PER_CELL: u64 = 4;
-/// Pilots cost this part of a pass's photons at most, once for a render.
-const PILOT_SHARE: f64 = 0.25;
 /// What part of the photons that would be sent there unguided is still sent where the pilots found nothing.
 const BACKGROUND: f64 = 1.0 / 8.0;
 /// A map that is useful to more than this part is filled evenly.
@@ -44,15 +34,6 @@ pub struct Guide {
     keep: f64,
 }
 
-/// Pilots that led to stored photons.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Hits {
-    /// Cell by cell of the leading pair's grid.
-    pub cells: Vec<bool>,
-    /// The other pair of each pilot.
-    pub others: Vec<[f64; 2]>,
-}
-
 /// What the pilots of a light found.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
@@ -64,54 +45,14 @@ pub enum Found {
     Part([Useful; 2]),
 }
 
-/// Cells along a side of the grid for a light that is due `n` photons; `None` if that is too few to learn from.
-pub fn cells_for(n: u64) -> Option<usize> {
-    let pilots = PILOT_SHARE * n as f64;
-    let side = (pilots / PILOTS_PER_CELL as f64).sqrt() as usize;
-    (side >= MIN_CELLS).then_some(side.min(MAX_CELLS))
-}
-
-/// Sends the pilots of row `row` of `side` × `side` cells. `tracer` is a fresh one; what it stores is thrown away by the
-/// caller.
-pub fn hits(
-    source: &dyn Light,
-    light: LightId,
-    aim: &Aim,
-    (row, side): (usize, usize),
-    tracer: &mut PhotonTracer<0>,
-) -> Hits {
-    let mut hits = Hits { cells: vec![false; side], others: Vec::new() };
-    for column in 0..side {
-        for k in 0..PILOTS_PER_CELL {
-            // The sample points are fixed ones, so that the guide is a property of the scene.
-            let i = (row * side + column) as u64 * PILOTS_PER_CELL + k;
-            let within = qmc::shifted(qmc::golden_lattice(k, PILOTS_PER_CELL), qmc::r2(i / PILOTS_PER_CELL));
-            let [x, y] = [(column, within[0]), (row, within[1])].map(|(cell, u)| (cell as f64 + u) / side as f64);
-            let other = qmc::r2(i);
-            let Some(emission) = source.emit(leading(source.is_collimated(), [x, y, other[0], other[1]]), aim) else {
-                continue;
-            };
-            tracer.photons.clear();
-            tracer.trace(&emission, &mut Stream::new(0, Purpose::Guide, 0, u64::from(light.0) << 44 | i));
-            if !tracer.photons.is_empty() {
-                hits.cells[column] = true;
-                hits.others.push(other);
-            }
-        }
-    }
-    hits
-}
-
-/// What is useful when the pilots' `hits`, row after row, are these. A source that `is_delta` has one pair only.
-pub fn found(rows: &[Hits], is_delta: bool) -> Found {
-    let cells = rows.iter().flat_map(|row| row.cells.iter().copied()).collect();
-    let others: Vec<[f64; 2]> = rows.iter().flat_map(|row| row.others.iter().copied()).collect();
-    if others.is_empty() {
+/// What is useful when this is what pilots found. A source that `is_delta` has one pair only.
+pub fn found(survey: &Survey, is_delta: bool) -> Found {
+    if survey.others.is_empty() {
         return Found::Nothing;
     }
-    let leading = Useful { side: rows.len(), cells }.with_neighbours();
-    let other = if is_delta { Useful::everywhere() } else { Useful::around(&others) };
-    let useful = [leading, other];
+    let leading = Useful { side: survey.side, cells: survey.cells.iter().map(|&cell| cell == Cell::Hit).collect() };
+    let other = if is_delta { Useful::everywhere() } else { Useful::around(&survey.others) };
+    let useful = [leading.with_neighbours(), other];
     if area(&useful) > NOT_WORTH_IT { Found::Everywhere } else { Found::Part(useful) }
 }
 
@@ -135,10 +76,8 @@ impl Useful {
         hit.with_neighbours()
     }
     fn with_neighbours(self) -> Useful {
-        let Useful { side, ref cells } = self;
-        let around = |i: usize| i.saturating_sub(1)..(i + 2).min(side);
-        let any =
-            |cell: usize| around(cell / side).any(|row| around(cell % side).any(|column| cells[row * side + column]));
+        let Useful { side, cells } = self;
+        let any = |cell: usize| neighbours(cell, side).any(|other| cells[other]);
         Useful { side, cells: (0..side * side).map(any).collect() }
     }
     fn area(&self) -> f64 {
@@ -190,14 +129,15 @@ impl Guide {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::qmc;
+
+    fn survey(side: usize, hit: impl Fn(usize) -> bool, others: Vec<[f64; 2]>) -> Survey {
+        Survey::of((0..side * side).map(|i| if hit(i) { Cell::Hit } else { Cell::Missed }).collect(), others)
+    }
 
     /// Ten rows of ten cells with a hit in one.
-    fn one_cell(cell: usize) -> Vec<Hits> {
-        let row = |row: usize| Hits {
-            cells: (0..10).map(|column| row * 10 + column == cell).collect(),
-            others: if row == cell / 10 { vec![[0.5, 0.5]] } else { Vec::new() },
-        };
-        (0..10).map(row).collect()
+    fn one_cell(cell: usize) -> Survey {
+        survey(10, |i| i == cell, vec![[0.5, 0.5]])
     }
 
     #[test]
@@ -206,15 +146,15 @@ mod tests {
         assert_eq!((leading.area(), other.area()), (0.04, 1.0));
         let useful = leading.cells;
         assert!(useful[0] && useful[1] && useful[10] && useful[11] && !useful[2] && !useful[12]);
-        assert_eq!(found(&[Hits::default()], false), Found::Nothing);
-        assert_eq!(found(&[Hits { cells: vec![true], others: vec![[0.1, 0.2]] }], false), Found::Everywhere);
+        assert_eq!(found(&survey(1, |_| false, Vec::new()), false), Found::Nothing);
+        assert_eq!(found(&survey(1, |_| true, vec![[0.1, 0.2]]), false), Found::Everywhere);
     }
 
     /// A lamp whose lower half alone looks at the glass.
     #[test]
     fn the_other_pair_is_learnt_on_the_way() {
         let others: Vec<[f64; 2]> = (0..10_000).map(qmc::r2).filter(|u| u[1] < 0.5).collect();
-        let hits = [Hits { cells: vec![true], others }];
+        let hits = survey(1, |_| true, others);
         let Found::Part([_, other]) = found(&hits, false) else { panic!("a part") };
         assert!((other.area() - 0.5).abs() < 0.05, "{}", other.area());
         assert!(other.has([0.3, 0.49]) && !other.has([0.3, 0.6]));
@@ -238,13 +178,5 @@ mod tests {
     fn a_map_that_is_useful_everywhere_or_nowhere_is_filled_evenly() {
         assert_eq!(Found::Everywhere.fill(1000), (1000, None));
         assert_eq!(Found::Nothing.fill(1000), (1000, None));
-    }
-
-    #[test]
-    fn few_photons_are_not_guided() {
-        assert_eq!(cells_for(100), None);
-        assert_eq!(cells_for(1_000_000_000), Some(MAX_CELLS));
-        let side = cells_for(20_000).expect("enough") as u64;
-        assert!(side * side * PILOTS_PER_CELL <= 5000);
     }
 }

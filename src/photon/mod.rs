@@ -9,6 +9,7 @@ pub mod order;
 pub mod path;
 pub mod record;
 pub mod share;
+pub mod survey;
 pub mod trace;
 
 pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit};

@@ -12,6 +12,7 @@ use crate::estimate::{Estimate, bandwidth};
 use crate::light::{Aim, Light, select};
 use crate::photon::footprint::Spread;
 use crate::photon::guide::{self, Found};
+use crate::photon::survey::Survey;
 use crate::photon::{
     EmissionPlan, EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Share,
 };
@@ -56,14 +57,25 @@ pub fn plan(world: &World) -> Vec<EmissionPlan> {
 fn learn(world: &World, light: LightId, aim: &Aim, n: u64) -> Found {
     let (settings, source) = (&world.scene.settings, world.lights.get(light));
     let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials;
-    let Some(side) = guide::cells_for(n).filter(|_| guided) else { return Found::Everywhere };
-    let row = |row: usize| {
-        let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
-        guide::hits(source, light, aim, (row, side), &mut tracer)
-    };
+    let Some(survey) = Survey::new(n).filter(|_| guided) else { return Found::Everywhere };
     // Nobody stops it: it takes less than a pass's photons.
-    collect_units(side, &Unattended(&Silent), row)
-        .map_or(Found::Everywhere, |rows| guide::found(&rows, source.is_delta()))
+    explored(world, light, aim, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))
+}
+
+/// Pilots fill the survey, more and more finely.
+fn explored(world: &World, light: LightId, aim: &Aim, mut survey: Survey) -> Result<Survey, Stopped> {
+    let source = world.lights.get(light);
+    loop {
+        let row = |row: usize| {
+            let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
+            survey.explore(source, light, aim, row, &mut tracer)
+        };
+        let rows = collect_units(survey.side, &Unattended(&Silent), row)?;
+        survey.learn(rows);
+        if !survey.refine() {
+            return Ok(survey);
+        }
+    }
 }
 
 /// emit → trace → map: the photons of pass `pass`. `between` is called after every unit.
