@@ -45,6 +45,7 @@ pub fn certificate(
         photons_stored: report.photons.photons_stored,
         counters,
         lights: report.photons_by_light.iter().map(counts).collect(),
+        bounced_photons: counts(&report.bounced_photons),
         refused_samples: RefusedSamples::from(film.refused()),
         pixels: picture.digest(),
         warnings: circumstances.warnings,

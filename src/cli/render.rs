@@ -343,7 +343,8 @@ fn findings(world: &World, state: &RenderState, budget: &Budget) -> Vec<String> 
     if state.report.invalid_rays > 0 {
         found.push(format!("{} rays were not finite and hit nothing", state.report.invalid_rays));
     }
-    let broken = photons.broken_columns + photons.broken_flux;
+    let bounced = &state.report.bounced_photons;
+    let broken = [photons, bounced].iter().map(|counts| counts.broken_columns + counts.broken_flux).sum::<u64>();
     if broken > 0 {
         found.push(format!("{broken} photons were dropped because their differentials or flux were not finite"));
     }

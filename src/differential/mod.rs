@@ -5,6 +5,7 @@
 //! side ([`lanes`]), so that it is one more lane of the same instructions. This module knows
 //! no scene, no BSDF and no backend: its functions take a normal, a shape operator, an index ratio, a distance.
 
+pub mod diffuse;
 pub mod health;
 pub mod lanes;
 pub mod reflect;
@@ -12,6 +13,7 @@ pub mod refract;
 pub mod state;
 pub mod transfer;
 
+pub use diffuse::bounced;
 pub use health::narrowed;
 pub use reflect::reflect;
 pub use refract::{Refraction, refract};

@@ -20,6 +20,13 @@ pub fn scale(bandwidth: Bandwidth, emission: EmissionPattern, kernel: KernelShap
     epanechnikov * (kernel::variance(KernelShape::Epanechnikov) / kernel::variance(kernel)).sqrt()
 }
 
+/// How many times the cell of a photon whose direction was drawn at random has to be as large as one of this pattern, since
+/// its footprint is made wider by the pattern's scale.
+pub fn random_overlap(emission: EmissionPattern) -> f64 {
+    let scale = |emission| scale(Bandwidth::Auto, emission, KernelShape::Epanechnikov);
+    (scale(EmissionPattern::Random) / scale(emission)).powi(2)
+}
+
 /// How much narrower than those of pass 0 all footprints of pass `pass` are: i^(−γ), i counted from 1.
 ///
 /// The mean of the passes has a bias like the mean of their s², i^(−2γ), and noise like i^(−1/2) s^(−p), where p says

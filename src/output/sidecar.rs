@@ -121,6 +121,8 @@ pub struct BirthCertificate {
     pub counters: BTreeMap<String, u64>,
     /// The same for each light, in the order of the scene's lights.
     pub lights: Vec<BTreeMap<String, u64>>,
+    /// What became of the photons that may bounce, which bring light that was scattered before.
+    pub bounced_photons: BTreeMap<String, u64>,
     pub refused_samples: RefusedSamples,
     /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
     pub pixels: String,

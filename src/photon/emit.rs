@@ -8,7 +8,9 @@ use std::f64::consts::FRAC_2_SQRT_PI;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::bounce::Bounces;
 use super::guide::Guide;
+use super::path::FirstEvent;
 use super::share::Share;
 use crate::light::{Aim, Emission, Light, Lights};
 use crate::sampling::lattice::Rank1Lattice;
@@ -132,6 +134,22 @@ impl EmissionPlan {
     pub fn photons(&self) -> f64 {
         self.points as f64 * self.guide.as_ref().map_or(1.0, |guide| guide.kept())
     }
+}
+
+/// What all lights send of one kind of photons in every pass.
+#[derive(Clone, Debug)]
+pub struct Population {
+    pub plans: Vec<EmissionPlan>,
+    /// Whither they set out.
+    pub aim: Aim,
+    pub first_event: FirstEvent,
+    /// How they go on from surfaces that scatter, if they do.
+    pub bounces: Option<Bounces>,
+}
+
+impl Population {
+    pub const NONE: Population =
+        Population { plans: Vec::new(), aim: Aim::Everywhere, first_event: FirstEvent::Delta, bounces: None };
 }
 
 /// A run of consecutive points of one light: a unit of work.

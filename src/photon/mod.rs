@@ -1,9 +1,11 @@
 //! Photons: emit → trace → map.
 
+pub mod bounce;
 pub mod emit;
 pub mod footprint;
 pub mod guide;
 pub mod index;
+pub mod kinds;
 pub mod map;
 pub mod order;
 pub mod path;
@@ -12,9 +14,11 @@ pub mod share;
 pub mod survey;
 pub mod trace;
 
-pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit};
+pub use bounce::Bounces;
+pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population};
+pub use kinds::Kinds;
 pub use map::{PhotonHarvest, PhotonMap};
-pub use path::{PathLimits, PhotonCounts};
+pub use path::{FirstEvent, PathLimits, PhotonCounts};
 pub use record::Photon;
 pub use share::Share;
 pub use trace::PhotonTracer;

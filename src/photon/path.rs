@@ -19,15 +19,27 @@ impl PathLimits {
     pub const ROULETTE_BELOW: f64 = 1.0 / 16.0;
 }
 
+/// What the first event of a path of light must be for the path to go on: two kinds of paths share the light out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FirstEvent {
+    /// At a mirror, a glass or a coat.
+    Delta,
+    /// At a surface that scatters.
+    Scatter,
+}
+
 /// What became of the emitted photons. Every photon or branch that ends without being stored shows here once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PhotonCounts {
     /// Photons that left the lights. Guided ones are drawn, so that their number is not exactly what was asked for.
     pub photons_emitted: u64,
-    /// Records made: L S⁺ D vertices.
+    /// Records made: vertices with a lobe that is not a delta, reached over at least one delta event.
     pub photons_stored: u64,
-    /// First met a surface without a delta lobe: direct light, which the eye path gathers itself.
+    /// Met no lobe at their first surface that their kind goes on through: direct light, which the eye path gathers itself.
     pub direct: u64,
+    /// Went on from a surface that scatters.
+    #[serde(default)]
+    pub bounced: u64,
     /// Left the scene.
     pub escaped: u64,
     /// Ended at a stored vertex without a delta lobe: the ordinary end of a caustic path.
@@ -55,6 +67,7 @@ impl PhotonCounts {
         self.photons_emitted += other.photons_emitted;
         self.photons_stored += other.photons_stored;
         self.direct += other.direct;
+        self.bounced += other.bounced;
         self.escaped += other.escaped;
         self.absorbed += other.absorbed;
         self.roulette += other.roulette;

@@ -1,4 +1,4 @@
-//! Pilot photons find out which parts of a light's emission map lead to stored photons.
+//! Pilot photons find out which parts of a light's emission map are of use.
 //!
 //! First from every cell of a grid over the leading pair of the map; then cells are cut in four again and again, as in a
 //! quadtree, and pilots go where hits and misses meet: the edge of what is useful gets sharp, the rest costs nothing more.
@@ -87,10 +87,8 @@ impl Survey {
                 let [x, y] = [(column, within[0]), (row, within[1])].map(|(at, u)| (at as f64 + u) / self.side as f64);
                 let other = qmc::r2(i);
                 let emission = source.emit(leading(source.is_collimated(), [x, y, other[0], other[1]]), aim)?;
-                tracer.photons.clear();
                 let path = u64::from(light.0) << 44 | self.level << 36 | i;
-                tracer.trace(&emission, &mut Stream::new(0, Purpose::Guide, 0, path));
-                (!tracer.photons.is_empty()).then_some(other)
+                tracer.is_useful(&emission, &mut Stream::new(0, Purpose::Guide, 0, path)).then_some(other)
             };
             let others: Vec<[f64; 2]> = (0..PILOTS_PER_CELL).filter_map(&mut stored).collect();
             *cell = if others.is_empty() { Cell::Missed } else { Cell::Hit };

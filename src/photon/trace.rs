@@ -1,14 +1,19 @@
 //! One photon's way: fly, hit, transport the columns, store, scatter, roulette.
 //!
-//! L S⁺ D paths: the photon is stored at every vertex with a non-delta lobe that it reached over at least one delta
-//! event, and goes on only through delta lobes. Where an interface both reflects and refracts, both branches are
-//! followed while they are strong, so that a lattice of photons stays a lattice behind the glass.
+//! A photon is stored at every vertex with a non-delta lobe that it reached over at least one delta event, and goes on
+//! through delta lobes. Where an interface both reflects and refracts, both branches are followed while they are strong,
+//! so that a lattice of photons stays a lattice behind the glass.
+//!
+//! Two kinds of photons share the light out by the first event: a delta one for caustics, L S⁺ D, and what they send on,
+//! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
 
+use super::bounce::Bounces;
+use super::emit::Population;
 use super::footprint::Spread;
-use super::path::{PathLimits, PhotonCounts, survive};
+use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
 use super::record::Photon;
 use crate::differential::health::MAX_SPREAD;
-use crate::differential::{Differential, Refraction, narrowed, reflect, refract, transfer};
+use crate::differential::{Differential, Refraction, bounced, narrowed, reflect, refract, transfer};
 use crate::light::Emission;
 use crate::math::{Dir3, Point3, Ray};
 use crate::radiometry::Flux;
@@ -22,6 +27,8 @@ pub struct PhotonTracer<'a, const N: usize> {
     world: &'a World,
     limits: PathLimits,
     spread: Spread,
+    first_event: FirstEvent,
+    bounces: Option<Bounces>,
     pending: Vec<Branch<N>>,
     pub photons: Vec<Photon>,
     pub counts: PhotonCounts,
@@ -35,23 +42,45 @@ struct Branch<const N: usize> {
     flux: Flux,
     /// Share of the photon's flux, before roulette.
     share: f64,
-    /// Delta events so far.
-    events: u32,
+    /// Number of the edge that it flies along, counted from 1.
+    edge: u32,
+    /// Delta events since it was last scattered, or since the light.
+    chain: u32,
+    /// How often it was scattered.
+    bounces: u32,
 }
 
 impl<'a, const N: usize> PhotonTracer<'a, N> {
+    /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
         let (pending, photons, counts) = (Vec::new(), Vec::new(), PhotonCounts::default());
-        PhotonTracer { world, limits, spread, pending, photons, counts }
+        PhotonTracer { world, limits, spread, first_event: FirstEvent::Delta, bounces: None, pending, photons, counts }
+    }
+
+    /// For photons of this kind.
+    pub fn of(self, population: &Population) -> Self {
+        let &Population { first_event, bounces, .. } = population;
+        PhotonTracer { first_event, bounces, ..self }
     }
 
     /// Follows one emitted photon to the end of all its branches.
     pub fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
         let (columns, flux) = (emission.jacobian.first(), emission.flux);
-        self.pending.push(Branch { origin, w, columns, flux, share: 1.0, events: 0 });
+        self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, bounces: 0 });
         while let Some(branch) = self.pending.pop() {
             self.fly(branch, stream);
+        }
+    }
+
+    /// Whether such a photon is of use: it makes a caustic; or, if it is to be scattered first, it goes on.
+    pub fn is_useful(&mut self, pilot: &Emission, stream: &mut Stream) -> bool {
+        self.photons.clear();
+        let bounced = self.counts.bounced;
+        self.trace(pilot, stream);
+        match self.first_event {
+            FirstEvent::Delta => !self.photons.is_empty(),
+            FirstEvent::Scatter => self.counts.bounced > bounced,
         }
     }
 
@@ -66,15 +95,28 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             return;
         }
         let bsdf = self.world.bsdf_unfiltered(&si);
-        if bsdf.has_scatter() && branch.events > 0 {
+        if bsdf.has_scatter() && branch.chain > 0 {
             self.store(&si, &branch, &columns);
         }
-        if bsdf.has_delta() {
+        let may = |event| branch.edge > 1 || self.first_event == event;
+        let scatters = bsdf.has_delta() && may(FirstEvent::Delta);
+        let bounces = self
+            .bounces
+            .filter(|bounces| bsdf.has_scatter() && may(FirstEvent::Scatter) && branch.bounces < bounces.max);
+        if !scatters && bounces.is_none() {
+            let ends = if branch.edge == 1 { &mut self.counts.direct } else { &mut self.counts.absorbed };
+            *ends += 1;
+            return;
+        }
+        if branch.edge + 1 > self.limits.max_depth {
+            self.counts.max_depth += 1;
+            return;
+        }
+        if scatters {
             self.scatter(&si, &bsdf, &branch, &columns, stream);
-        } else if branch.events > 0 {
-            self.counts.absorbed += 1;
-        } else {
-            self.counts.direct += 1;
+        }
+        if let Some(bounces) = &bounces {
+            self.bounce(bounces, &si, &bsdf, &branch, &columns, stream);
         }
     }
 
@@ -88,6 +130,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         self.counts.photons_stored += 1;
     }
 
+    /// Goes on through all delta lobes that are strong enough.
     fn scatter(
         &mut self,
         si: &Interaction,
@@ -96,11 +139,6 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         columns: &Differential<N>,
         stream: &mut Stream,
     ) {
-        // The edge after event number `events + 1` is edge `events + 2` of the path.
-        if branch.events + 2 > self.limits.max_depth {
-            self.counts.max_depth += 1;
-            return;
-        }
         let mut followed = 0;
         let branches = bsdf.delta_branches(si.wo);
         self.counts.normals_disagree += branches.refused();
@@ -119,11 +157,48 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
                 columns: columns.scaled(q.sqrt().recip()),
                 flux: branch.flux * (delta.weight / q),
                 share: share / q,
-                events: branch.events + 1,
+                edge: branch.edge + 1,
+                chain: branch.chain + 1,
+                bounces: branch.bounces,
             });
             followed += 1;
         }
         self.counts.split += u64::from(followed > 1);
+    }
+
+    /// Goes on through the lobes that are not deltas. What is lost in the mean is lost at roulette, so that flux stays what
+    /// it was, but not of photons on their way to where they are wanted: there are few of them.
+    fn bounce(
+        &mut self,
+        bounces: &Bounces,
+        si: &Interaction,
+        bsdf: &Bsdf,
+        branch: &Branch<N>,
+        columns: &Differential<N>,
+        stream: &mut Stream,
+    ) {
+        let Some(next) = bounces.sample(si, bsdf, stream) else {
+            self.counts.absorbed += 1;
+            return;
+        };
+        let weight = next.weight.max_component();
+        let below = if next.aimed { self.limits.roulette_below } else { 1.0 };
+        let Some(q) = survive(bounces.share * weight.min(1.0), below, stream) else {
+            self.counts.roulette += 1;
+            return;
+        };
+        let columns = bounced(columns, si.ng, next.wi, bounces.cell(next.pdf));
+        self.pending.push(Branch {
+            origin: si.ray_origin(next.wi),
+            w: next.wi,
+            columns: columns.scaled(q.sqrt().recip()),
+            flux: branch.flux * (next.weight / q),
+            share: branch.share * weight / q,
+            edge: branch.edge + 1,
+            chain: 0,
+            bounces: branch.bounces + 1,
+        });
+        self.counts.bounced += 1;
     }
 }
 

@@ -16,7 +16,7 @@ use crate::backend::{self, Backend, Query, Recorded, RecordingBackend};
 use crate::camera::Camera;
 use crate::estimate::Estimate;
 use crate::film::PixelBounds;
-use crate::photon::{EmissionPlan, PhotonHarvest};
+use crate::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use crate::scene::Scene;
 use crate::scene::settings::{BackendKind, Estimator};
 use crate::world::{World, WorldError};
@@ -148,11 +148,11 @@ impl Standard {
         let (_, with_columns) = timed(|| harvest(world, &plans));
         world.scene.settings.estimator = Estimator::NearestNeighbours;
         let (plain, without) = timed(|| harvest(world, &plans));
-        let photons = plain.into_map();
+        let photons = plain.map(PhotonHarvest::into_map);
         let settings = &world.scene.settings;
         let ((), picture) = timed(|| expose(world, camera, None));
-        let (tree, map) = timed(|| Estimate::new(&photons, settings, 0));
-        let ((), estimate) = timed(|| expose(world, camera, Some(&tree)));
+        let (trees, map) = timed(|| photons.as_ref().map(|map| Estimate::new(map, settings, 0)));
+        let ((), estimate) = timed(|| expose(world, camera, Some(&trees)));
         Standard {
             photons: [with_columns, without],
             map,
@@ -169,18 +169,18 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// The photons of pass 0. Nobody stops it.
-fn harvest(world: &World, plans: &[EmissionPlan]) -> PhotonHarvest {
+fn harvest(world: &World, plans: &Kinds<Population>) -> Kinds<PhotonHarvest> {
     photon_map::harvest(world, plans, 0, &Unattended(&Silent), || ())
-        .unwrap_or_else(|Stopped| PhotonHarvest::new(world.lights.len()))
+        .unwrap_or_else(|Stopped| Kinds { caustic: 0, bounced: 0 }.map(|_| PhotonHarvest::new(world.lights.len())))
 }
 
 /// The picture of pass 0, thrown away.
-fn expose(world: &World, camera: &Camera, estimate: Option<&Estimate>) {
+fn expose(world: &World, camera: &Camera, photons: Option<&Kinds<Estimate>>) {
     let unattended = Unattended(&Silent);
     let job = Job::new(world, camera.clone(), &unattended);
     let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
     // Nobody stops it.
-    let _ = exposure::expose(&job, EyeFinds::AllButCaustics, estimate, &mut state);
+    let _ = exposure::expose(&job, EyeFinds::AllButCaustics, photons, &mut state);
 }
 
 /// Seconds that the library takes for all the rays, of which some were kept.
@@ -215,19 +215,23 @@ impl Run {
         end(0);
         let harvest = harvest(world, &plans);
         end(1);
-        let map = harvest.into_map();
+        let maps = harvest.map(PhotonHarvest::into_map);
         end(2);
         expose(world, camera, None);
         end(3);
-        expose(world, camera, Some(&Estimate::new(&map, &world.scene.settings, 0)));
+        let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, 0));
+        expose(world, camera, Some(&estimates));
         end(4);
         seconds[4] = (seconds[4] - seconds[3]).max(0.0);
+        let of_both = |of: &dyn Fn(&PhotonMap) -> u64| maps.as_ref().into_array().into_iter().map(of).sum();
+        let stored: u64 = of_both(&|map| map.counts.photons_stored);
+        let bytes: u64 = of_both(&|map| map.bytes() as u64);
         Run {
             seconds,
-            photons_emitted: map.counts.photons_emitted,
-            photons_stored: map.counts.photons_stored,
-            bytes_per_photon: map.bytes() as f64 / map.photons.len().max(1) as f64,
-            weighed: map.weighed.load(Ordering::Relaxed),
+            photons_emitted: of_both(&|map| map.counts.photons_emitted),
+            photons_stored: stored,
+            bytes_per_photon: bytes as f64 / stored.max(1) as f64,
+            weighed: of_both(&|map| map.weighed.load(Ordering::Relaxed)),
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::camera::{Camera, filter_offset};
 use crate::estimate::{Estimate, GatherPoint, Turn, bandwidth};
 use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
+use crate::photon::Kinds;
 use crate::sampling::PixelSamples;
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::scene::RenderSettings;
@@ -30,9 +31,14 @@ fn eye_radius(settings: &RenderSettings, pass: u32) -> f64 {
     }
 }
 
-/// Adds the tiles of the pass under way that its film does not have yet; `estimate` answers the queries that `finds`
-/// leaves to the photon map.
-pub fn expose(job: &Job, finds: EyeFinds, estimate: Option<&Estimate>, state: &mut RenderState) -> Result<(), Stopped> {
+/// Adds the tiles of the pass under way that its film does not have yet; `photons` answer the queries that `finds` leaves
+/// to them.
+pub fn expose(
+    job: &Job,
+    finds: EyeFinds,
+    photons: Option<&Kinds<Estimate>>,
+    state: &mut RenderState,
+) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
     let settings = &world.scene.settings;
     let exposure = Exposure {
@@ -44,10 +50,9 @@ pub fn expose(job: &Job, finds: EyeFinds, estimate: Option<&Estimate>, state: &m
             finds,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
-            bounces: job.bounces(finds),
             sample_radius: eye_radius(settings, pass),
         },
-        estimate,
+        photons,
     };
     let tiles = units_of(&state.film.bounds());
     let layout = state.film.layout().clone();
@@ -81,7 +86,7 @@ struct Exposure<'a> {
     pass: u32,
     settings: &'a RenderSettings,
     tracer: EyePathTracer<'a>,
-    estimate: Option<&'a Estimate<'a>>,
+    photons: Option<&'a Kinds<Estimate<'a>>>,
 }
 
 impl Exposure<'_> {
@@ -100,8 +105,8 @@ impl Exposure<'_> {
                 }
             }
         }
-        if let Some(estimate) = self.estimate {
-            add_photons(estimate, &queries, &owners, &mut samples);
+        if let Some(photons) = self.photons {
+            add_photons(photons, &queries, &owners, &mut samples);
         }
         for (x, y, sample) in &samples {
             tile.add(*x, *y, sample);
@@ -131,13 +136,15 @@ impl Exposure<'_> {
 }
 
 /// Adds the photons' light at all queries of a tile.
-fn add_photons(estimate: &Estimate, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
+fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
     let points: Vec<GatherPoint> = queries.iter().map(|q| q.point).collect();
-    for ((query, owner), gathered) in queries.iter().zip(owners).zip(estimate.gather(&points)) {
-        let sample = &mut samples[*owner].2;
-        sample.caustic += query.beta * gathered.radiance.0;
+    let Kinds { caustic, bounced } = photons.as_ref().map(|estimate| estimate.gather(&points));
+    for (((query, &owner), caustic), bounced) in queries.iter().zip(owners).zip(caustic).zip(bounced) {
+        let sample = &mut samples[owner].2;
+        sample.caustic += query.beta * caustic.radiance.0;
+        sample.indirect += query.beta * bounced.radiance.0;
         if query.first {
-            sample.photon_density = gathered.density;
+            sample.photon_density = caustic.density;
         }
     }
 }

@@ -1,12 +1,11 @@
 //! One path from the eye: next-event estimation with multiple importance sampling at every vertex that scatters,
 //! specular chains followed, and the points where the photon map is asked.
 //!
-//! The partition (PHOTON_DIFFERENTIALS 9.4): light that reached its last scattering vertex over at least one delta
-//! event, L S⁺ D, belongs to the photon map when there is one. The eye path then drops an emitter that it reaches
-//! over a delta event after a scattering vertex, and nothing else: E S* L stays its own, and shadow rays never cross
-//! a delta lobe.
+//! The partition (PHOTON_DIFFERENTIALS 9.4): light that reaches a scattering vertex over at least one delta event, S⁺ D,
+//! belongs to photons when there are any, whether it comes straight from a light or was scattered before. The eye path
+//! then ends at the first delta event behind a scattering vertex, and drops nothing else: E S* L stays its own, and shadow
+//! rays never cross a delta lobe.
 
-use super::bounce::Bounces;
 use crate::camera::CameraRay;
 use crate::differential::{Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
@@ -22,7 +21,7 @@ use crate::world::World;
 pub enum EyeFinds {
     /// All of it: the path tracer.
     Everything,
-    /// All but L S⁺ D, which a photon map adds at the queries.
+    /// All but what reaches a scattering vertex over a delta event, which photons add at the queries.
     AllButCaustics,
     /// E S* L only: what light tracing cannot connect to the camera.
     Emitters,
@@ -42,8 +41,6 @@ pub struct EyePathTracer<'a> {
     pub finds: EyeFinds,
     pub max_depth: u32,
     pub max_bounces: u32,
-    /// How directions are drawn where a path scatters.
-    pub bounces: Bounces,
     /// Semi-axes of an eye sample's footprint, in pixels.
     pub sample_radius: f64,
 }
@@ -67,21 +64,6 @@ struct Walk {
     chain: u32,
     /// Where the last scattering event was and the density of its direction.
     scattered: Option<(Point3, Pdf<SolidAngle>)>,
-    /// The first one, and what has come back from there.
-    returned: Option<Returned>,
-}
-
-/// What the first bounce of a path brought back.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Returned {
-    pub from: Point3,
-    pub wi: Dir3,
-    /// Of `wi`.
-    pub pdf: Pdf<SolidAngle>,
-    /// Mean of the channels, as part of the sample: light found at its end and all light scattered there or later.
-    pub light: f64,
-    /// What the sample has beside it.
-    pub anyhow: f64,
 }
 
 impl Walk {
@@ -97,14 +79,6 @@ impl Walk {
             bounces: 0,
             chain: 0,
             scattered: None,
-            returned: None,
-        }
-    }
-
-    /// Counts light that came back from behind the first bounce.
-    fn count(&mut self, light: Spectrum) {
-        if let Some(returned) = &mut self.returned {
-            returned.light += light.mean();
         }
     }
 }
@@ -117,21 +91,10 @@ impl EyePathTracer<'_> {
         camera_ray: &CameraRay,
         start: &PixelSample,
         turn: Turn,
-        stream: Stream,
+        mut stream: Stream,
         queries: &mut Vec<Query>,
     ) -> EyeSample {
-        self.follow(&mut Walk::new(camera_ray, start, turn), stream, queries)
-    }
-
-    /// Traces a path to learn from; `None` if it never scatters.
-    pub fn pilot(&self, camera_ray: &CameraRay, start: &PixelSample, stream: Stream) -> Option<Returned> {
-        let mut walk = Walk::new(camera_ray, start, Turn::ALONE);
-        let sample = self.follow(&mut walk, stream, &mut Vec::new());
-        let returned = walk.returned?;
-        Some(Returned { anyhow: (sample.direct + sample.indirect).mean() - returned.light, ..returned })
-    }
-
-    fn follow(&self, walk: &mut Walk, mut stream: Stream, queries: &mut Vec<Query>) -> EyeSample {
+        let walk = &mut Walk::new(camera_ray, start, turn);
         let mut sample = EyeSample::default();
         let mut seen_scatter = false;
         for edge in 1..=self.max_depth {
@@ -169,7 +132,7 @@ impl EyePathTracer<'_> {
     fn advance(&self, walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &mut Stream) -> bool {
         let first = if bsdf.has_scatter() { walk.first_bounce.take() } else { None };
         let (uc, u) = first.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(next) = self.bounces.sample(si, bsdf, uc, u) else { return false };
+        let Some(next) = bsdf.sample(si.wo, uc, u, TransportMode::Radiance) else { return false };
         walk.beta *= next.weight;
         match next.event {
             Event::Scatter { pdf } => {
@@ -179,11 +142,12 @@ impl EyePathTracer<'_> {
                 walk.bounces += 1;
                 walk.chain = 0;
                 walk.scattered = Some((si.p, pdf));
-                let first = Returned { from: si.p, wi: next.wi, pdf, light: 0.0, anyhow: 0.0 };
-                walk.returned.get_or_insert(first);
                 walk.differential = Differential::ZERO;
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
+                if walk.scattered.is_some() && self.finds == EyeFinds::AllButCaustics {
+                    return false;
+                }
                 walk.chain += 1;
                 walk.differential = redirected(&walk.differential, walk.w, si, &next);
             }
@@ -227,15 +191,10 @@ impl EyePathTracer<'_> {
     ) {
         match walk.scattered {
             None => sample.direct += walk.beta * radiance,
-            Some(_) if walk.chain > 0 => {
-                if self.finds == EyeFinds::Everything {
-                    sample.caustic += walk.beta * radiance;
-                }
-            }
+            Some(_) if walk.chain > 0 => sample.caustic += walk.beta * radiance,
             Some((from, pdf)) => {
                 let weight = power_heuristic(pdf.get(), next_event(from).get());
                 let light = walk.beta * radiance * weight;
-                walk.count(light);
                 // The edge just flown belongs to the bounce before it.
                 if walk.bounces == 1 { sample.direct += light } else { sample.indirect += light }
             }
@@ -261,12 +220,11 @@ impl EyePathTracer<'_> {
             // Nothing else can find a delta light.
             None => 1.0,
             Some(pdf) => {
-                let scatter = self.bounces.pdf(si, bsdf, found.wi);
+                let scatter = bsdf.pdf(si.wo, found.wi, TransportMode::Radiance);
                 power_heuristic((pdf * choice.pmf).get(), scatter.get())
             }
         };
         let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
-        walk.count(light);
         if walk.bounces == 0 { sample.direct += light } else { sample.indirect += light }
     }
 

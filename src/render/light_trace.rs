@@ -16,7 +16,7 @@ use crate::camera::Camera;
 use crate::film::{Exposure, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
-use crate::photon::{EmissionPlan, EmissionUnit, Share};
+use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
@@ -27,13 +27,6 @@ use crate::world::World;
 
 /// Light paths in a unit of work.
 const PATHS_PER_UNIT: u64 = 16384;
-
-/// What the first event of a path must be for the path to go on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum FirstEvent {
-    Delta,
-    Scatter,
-}
 
 /// Light paths of one kind in a pass.
 struct Kind<'a> {

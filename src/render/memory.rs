@@ -1,6 +1,6 @@
 //! What a pass's photons will take, known before they are traced, and passes that fit into what there is.
 
-use super::photon_map::shoot_some;
+use super::photon_map::stored_about;
 use crate::scene::RenderSettings;
 use crate::world::World;
 
@@ -27,9 +27,7 @@ const PILOT_UNITS: usize = 16;
 
 /// Estimates by tracing a few units of the first pass, spread over all lights: a pure function of the world.
 pub fn estimate(world: &World) -> PhotonMemory {
-    let counts = shoot_some(world, 0, PILOT_UNITS);
-    let share = counts.photons_stored as f64 / counts.photons_emitted.max(1) as f64;
-    PhotonMemory { stored: (world.scene.settings.photons as f64 * share).ceil() as u64 }
+    PhotonMemory { stored: stored_about(world, 0, PILOT_UNITS) }
 }
 
 /// Settings that spread the work of each pass over as many passes as its photons need to fit into `limit` bytes; none if

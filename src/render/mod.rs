@@ -4,8 +4,6 @@
 //! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
 pub mod bench;
-pub mod bounce;
-pub mod bounce_pilots;
 pub mod budget;
 pub mod crosscheck;
 pub mod exposure;
@@ -26,10 +24,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::film::{Film, PixelBounds};
-use crate::photon::{EmissionPlan, PhotonCounts};
+use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
 use crate::world::World;
-use bounce::Bounces;
 use eye_path::EyeFinds;
 use progress::Progress;
 use watch::{Stopped, Unattended, Watch};
@@ -37,10 +34,13 @@ use watch::{Stopped, Unattended, Watch};
 /// What a render did, for the birth certificate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RenderReport {
-    /// All photons of all passes; zero for the methods without a map.
+    /// The caustics' photons of all passes; zero for the methods without a map.
     pub photons: PhotonCounts,
     /// The same for each light, in the order of the scene's lights.
     pub photons_by_light: Vec<PhotonCounts>,
+    /// Photons that may bounce, of all passes.
+    #[serde(default)]
+    pub bounced_photons: PhotonCounts,
     /// Rays that the backend refused.
     pub invalid_rays: u64,
     /// Hits within rounding of a triangle's plane, or on a degenerate one, shaded where the backend put them.
@@ -75,22 +75,13 @@ pub struct Job<'a> {
     pub world: &'a World,
     pub camera: Camera,
     pub watch: &'a dyn Watch,
-    /// What each light sends in every pass, once a pass with photons has asked.
-    plans: OnceCell<Vec<EmissionPlan>>,
-    /// How the eye paths that leave caustics to photons bounce, once one has asked.
-    bounces: OnceCell<Bounces>,
+    /// What every pass sends, once one with photons has asked.
+    plans: OnceCell<Kinds<Population>>,
 }
 
 impl<'a> Job<'a> {
     pub fn new(world: &'a World, camera: Camera, watch: &'a dyn Watch) -> Job<'a> {
-        Job { world, camera, watch, plans: OnceCell::new(), bounces: OnceCell::new() }
-    }
-
-    fn bounces(&self, finds: EyeFinds) -> Bounces {
-        match finds {
-            EyeFinds::AllButCaustics => *self.bounces.get_or_init(|| bounce_pilots::learn(self.world, &self.camera)),
-            EyeFinds::Everything | EyeFinds::Emitters => Bounces::UNAIMED,
-        }
+        Job { world, camera, watch, plans: OnceCell::new() }
     }
 }
 
@@ -163,24 +154,30 @@ fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
 }
 
 impl RenderReport {
-    fn add_photons(&mut self, counts: &PhotonCounts, by_light: &[PhotonCounts]) {
+    /// Counts a pass's photons.
+    fn add_maps(&mut self, maps: &Kinds<PhotonMap>) {
+        self.add_photons(&maps.caustic.counts, &maps.caustic.by_light, &maps.bounced.counts);
+    }
+
+    fn add_photons(&mut self, counts: &PhotonCounts, by_light: &[PhotonCounts], bounced: &PhotonCounts) {
         self.photons.merge(counts);
         self.photons_by_light.resize(by_light.len(), PhotonCounts::default());
         for (sum, light) in self.photons_by_light.iter_mut().zip(by_light) {
             sum.merge(light);
         }
+        self.bounced_photons.merge(bounced);
     }
 
     /// Adds what was done for other passes.
     fn add_passes(&mut self, other: &RenderReport) {
-        self.add_photons(&other.photons, &other.photons_by_light);
+        self.add_photons(&other.photons, &other.photons_by_light, &other.bounced_photons);
         self.add_work(other);
     }
 
     /// Adds what was done for other pixels of the same passes; every tile traces the same photons.
     fn paste(&mut self, other: &RenderReport, first: bool) {
         if first {
-            self.add_photons(&other.photons, &other.photons_by_light);
+            self.add_photons(&other.photons, &other.photons_by_light, &other.bounced_photons);
         }
         self.add_work(other);
     }

@@ -14,7 +14,8 @@ use crate::photon::footprint::Spread;
 use crate::photon::guide::{self, Found};
 use crate::photon::survey::Survey;
 use crate::photon::{
-    EmissionPlan, EmissionUnit, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Share,
+    Bounces, EmissionPlan, EmissionUnit, FirstEvent, Kinds, PathLimits, Photon, PhotonCounts, PhotonHarvest, PhotonMap,
+    PhotonTracer, Population, Share,
 };
 use crate::scene::LightId;
 use crate::scene::settings::{Estimator, FootprintRule, Guiding};
@@ -23,52 +24,115 @@ use crate::world::World;
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
 
+/// Units that say how many of a population's photons are of use, and photons in each.
+const PILOT_UNITS: usize = 64;
+const PHOTONS_PER_PILOT_UNIT: u64 = 64;
+/// As if no less of them were.
+const LEAST_USEFUL: f64 = 1.0 / 16.0;
+
 /// Of pilots, whose footprints are compared with each other or not looked at.
 const UNIT_SPREAD: Spread = Spread::Columns { rule: FootprintRule::Quadratic, scale: 1.0 };
+
+/// Photons that are scattered first, for each one that is to make a caustic, and which part of those goes on from there.
+const BOUNCED_SHARE: f64 = 0.25;
 
 /// The rest of the pass under way of the photon-map renderer, added to the film.
 pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
     let plans = job.plans.get_or_init(|| plan(world));
-    let map = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
-    let estimate = Estimate::new(&map, &world.scene.settings, pass);
-    expose(job, EyeFinds::AllButCaustics, Some(&estimate), state)?;
-    state.report.add_photons(&map.counts, &map.by_light);
+    let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
+    let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, pass));
+    expose(job, EyeFinds::AllButCaustics, Some(&estimates), state)?;
+    state.report.add_maps(&maps);
     Ok(())
 }
 
-/// What each light sends in every pass: photons in proportion to what it can send to specular objects, of which pilots
-/// learn where on them it is of use.
-pub fn plan(world: &World) -> Vec<EmissionPlan> {
-    let (Some(aim), settings) = (&world.aim, &world.scene.settings) else { return Vec::new() };
-    let due = world.lights.allot(settings.photons, aim);
-    let found: Vec<Found> = world.lights.iter().zip(&due).map(|((light, _), &n)| learn(world, light, aim, n)).collect();
+/// What every pass sends.
+pub fn plan(world: &World) -> Kinds<Population> {
+    Kinds { caustic: caustics(world), bounced: bounced(world) }
+}
+
+/// Photons to the specular objects.
+fn caustics(world: &World) -> Population {
+    let (Some(aim), n) = (world.aim, world.scene.settings.photons) else { return Population::NONE };
+    let kind = Population { aim, ..Population::NONE };
+    let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
+    Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
+}
+
+/// Photons to everything else: as many as it takes for a number that goes on. Those that leave the scene cost little.
+fn bounced(world: &World) -> Population {
+    let n = (world.scene.settings.photons as f64 * BOUNCED_SHARE).ceil();
+    let Some(bounces) = bounces(world, n, 1.0) else { return Population::NONE };
+    let kind = Population { first_event: FirstEvent::Scatter, bounces: Some(bounces), ..Population::NONE };
+    let share = |light, n| {
+        let source = world.lights.get(light);
+        if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
+    };
+    let mut population = Population { plans: plans(world, n as u64, &kind, share), ..kind };
+    let useful = useful_part(world, &population).max(LEAST_USEFUL);
+    for plan in &mut population.plans {
+        plan.points = (plan.points as f64 / useful).ceil() as u64;
+        plan.share = share(plan.light, plan.points);
+    }
+    population
+}
+
+/// Which part of a population's photons is of use.
+fn useful_part(world: &World, population: &Population) -> f64 {
+    let settings = &world.scene.settings;
+    let units =
+        EmissionUnit::all(&population.plans, &world.lights, settings, &population.aim, 0, PHOTONS_PER_PILOT_UNIT);
+    let mut tracer = PhotonTracer::<0>::new(world, limits(world), UNIT_SPREAD).of(population);
+    let (mut emitted, mut useful) = (0, 0);
+    for unit in units.iter().step_by(units.len().div_ceil(PILOT_UNITS).max(1)) {
+        emitted += unit.emit(&world.lights, &population.aim, |emission, stream| {
+            useful += u64::from(tracer.is_useful(emission, stream));
+        });
+    }
+    useful as f64 / emitted.max(1) as f64
+}
+
+/// `n` photons of one kind, in proportion to what each light can send to where they are aimed, of which pilots learn where
+/// they are of use. `share` gives the cell of each of a light's so many photons.
+fn plans(world: &World, n: u64, kind: &Population, share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
+    let due = world.lights.allot(n, &kind.aim);
+    let found: Vec<Found> =
+        world.lights.iter().zip(&due).map(|((light, _), &n)| learn(world, light, kind, n)).collect();
     let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
     let plan = |(((light, _), found), n): (((LightId, &dyn Light), Found), u64)| {
         let (points, guide) = found.fill(n);
-        EmissionPlan { light, points, share: share_of(world, light, aim, points), guide: guide.map(Arc::new) }
+        EmissionPlan { light, points, share: share(light, points), guide: guide.map(Arc::new) }
     };
-    let lights = world.lights.iter().zip(found).zip(select::allot(settings.photons, &worth));
+    let lights = world.lights.iter().zip(found).zip(select::allot(n, &worth));
     lights.filter(|&(_, n)| n > 0).map(plan).collect()
 }
 
-/// Where on its emission map a light that is due `n` photons is of use. Only footprints can do with photons of unequal
-/// light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
-fn learn(world: &World, light: LightId, aim: &Aim, n: u64) -> Found {
+/// How `share` of `n` photons goes on from surfaces that scatter; `None` if none does.
+fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
+    let settings = &world.scene.settings;
+    let sharing = n / bandwidth::random_overlap(settings.emission);
+    let bounces = |aim| Bounces { aim, sharing, share, max: settings.max_bounces };
+    world.aim.filter(|_| settings.max_bounces > 0).map(bounces)
+}
+
+/// Where on its emission map photons of a light that is due `n` of them are of use. Only footprints can do with photons of
+/// unequal light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
+fn learn(world: &World, light: LightId, kind: &Population, n: u64) -> Found {
     let (settings, source) = (&world.scene.settings, world.lights.get(light));
     let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials;
     let Some(survey) = Survey::new(n).filter(|_| guided) else { return Found::Everywhere };
     // Nobody stops it: it takes less than a pass's photons.
-    explored(world, light, aim, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))
+    explored(world, light, kind, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))
 }
 
 /// Pilots fill the survey, more and more finely.
-fn explored(world: &World, light: LightId, aim: &Aim, mut survey: Survey) -> Result<Survey, Stopped> {
+fn explored(world: &World, light: LightId, kind: &Population, mut survey: Survey) -> Result<Survey, Stopped> {
     let source = world.lights.get(light);
     loop {
         let row = |row: usize| {
-            let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
-            survey.explore(source, light, aim, row, &mut tracer)
+            let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD).of(kind);
+            survey.explore(source, light, &kind.aim, row, &mut tracer)
         };
         let rows = collect_units(survey.side, &Unattended(&Silent), row)?;
         survey.learn(rows);
@@ -81,77 +145,92 @@ fn explored(world: &World, light: LightId, aim: &Aim, mut survey: Survey) -> Res
 /// emit → trace → map: the photons of pass `pass`. `between` is called after every unit.
 pub fn shoot(
     world: &World,
-    plans: &[EmissionPlan],
+    plans: &Kinds<Population>,
     pass: u32,
     watch: &dyn Watch,
     between: impl Fn(),
-) -> Result<PhotonMap, Stopped> {
-    Ok(harvest(world, plans, pass, watch, between)?.into_map())
+) -> Result<Kinds<PhotonMap>, Stopped> {
+    Ok(harvest(world, plans, pass, watch, between)?.map(PhotonHarvest::into_map))
 }
 
-/// emit → trace: what [`shoot`] makes a map of.
+/// emit → trace: what [`shoot`] makes maps of.
 pub fn harvest(
     world: &World,
-    plans: &[EmissionPlan],
+    plans: &Kinds<Population>,
     pass: u32,
     watch: &dyn Watch,
     between: impl Fn(),
-) -> Result<PhotonHarvest, Stopped> {
-    let mut harvest = PhotonHarvest::new(world.lights.len());
-    let Some(aim) = &world.aim else { return Ok(harvest) };
-    let units = units(world, plans, aim, pass);
+) -> Result<Kinds<PhotonHarvest>, Stopped> {
+    let mut harvest = [0; 2].map(|_| PhotonHarvest::new(world.lights.len()));
+    let units = units(world, plans, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
-    let trace = |i: usize| trace_unit(world, aim, &units[i], spread);
-    run_units(&scattered(units.len()), watch, trace, |_, (light, photons, counts)| {
-        harvest.add(light, photons, &counts);
+    let trace = |i: usize| trace_unit(world, &units[i], spread);
+    run_units(&scattered(units.len()), watch, trace, |i, (photons, counts)| {
+        harvest[units[i].kind].add(units[i].emission.light, photons, &counts);
         between();
     })?;
     watch.finish();
-    Ok(harvest)
+    let [caustic, bounced] = harvest;
+    Ok(Kinds { caustic, bounced })
 }
 
-fn units(world: &World, plans: &[EmissionPlan], aim: &Aim, pass: u32) -> Vec<EmissionUnit> {
-    EmissionUnit::all(plans, &world.lights, &world.scene.settings, aim, pass, PHOTONS_PER_UNIT)
+/// Some photons of one kind.
+struct Unit<'a> {
+    /// Its place in [`Kinds::into_array`].
+    kind: usize,
+    population: &'a Population,
+    emission: EmissionUnit,
+}
+
+fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
+    let settings = &world.scene.settings;
+    let of = |(kind, population): (usize, &'a Population)| {
+        let Population { plans, aim, .. } = population;
+        let all = EmissionUnit::all(plans, &world.lights, settings, aim, pass, PHOTONS_PER_UNIT);
+        all.into_iter().map(move |emission| Unit { kind, population, emission })
+    };
+    plans.as_ref().into_array().into_iter().enumerate().flat_map(of).collect()
 }
 
 fn limits(world: &World) -> PathLimits {
     PathLimits { max_depth: world.scene.settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW }
 }
 
-type Stored = (LightId, Vec<Photon>, PhotonCounts);
-
 /// Only footprints need the photons' columns.
-fn trace_unit(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> Stored {
+fn trace_unit(world: &World, unit: &Unit, spread: Spread) -> (Vec<Photon>, PhotonCounts) {
     match world.scene.settings.estimator {
-        Estimator::Differentials => trace_with::<4>(world, aim, unit, spread),
-        Estimator::Progressive | Estimator::NearestNeighbours => trace_with::<0>(world, aim, unit, spread),
+        Estimator::Differentials => trace_with::<4>(world, unit, spread),
+        Estimator::Progressive | Estimator::NearestNeighbours => trace_with::<0>(world, unit, spread),
     }
 }
 
-fn trace_with<const N: usize>(world: &World, aim: &Aim, unit: &EmissionUnit, spread: Spread) -> Stored {
-    let mut tracer = PhotonTracer::<N>::new(world, limits(world), spread);
-    let emitted = unit.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> (Vec<Photon>, PhotonCounts) {
+    let mut tracer = PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population);
+    let aim = &unit.population.aim;
+    let emitted = unit.emission.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
     tracer.counts.photons_emitted = emitted;
-    (unit.light, tracer.photons, tracer.counts)
+    (tracer.photons, tracer.counts)
 }
 
-/// What became of the photons of about `some` units of pass `pass`, spread over all of them.
-pub fn shoot_some(world: &World, pass: u32, some: usize) -> PhotonCounts {
-    let mut counts = PhotonCounts::default();
-    let Some(aim) = &world.aim else { return counts };
+/// How many photons pass `pass` stores, from about `some` units of it, spread over all.
+pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
     let plans = plan(world);
-    let units = units(world, &plans, aim, pass);
+    let units = units(world, &plans, pass);
     let step = units.len().div_ceil(some.max(1)).max(1);
     let spread = spread(world, pass);
-    units.iter().step_by(step).for_each(|unit| counts.merge(&trace_unit(world, aim, unit, spread).2));
-    counts
+    let stored = |unit: &Unit| trace_unit(world, unit, spread).1.photons_stored;
+    let tried = units.len().div_ceil(step).max(1);
+    let sum: u64 = units.iter().step_by(step).map(stored).sum();
+    (sum as f64 * units.len() as f64 / tried as f64).ceil() as u64
 }
 
-/// The photons of pass `pass`, by someone who does not stop.
+/// The caustics' photons of pass `pass`, by someone who does not stop.
 pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
-    shoot(world, &plan(world), pass, &Unattended(progress), || ())
-        .unwrap_or_else(|Stopped| PhotonMap::empty(world.lights.len()))
+    let caustic = Population { bounces: None, ..caustics(world) };
+    let plans = Kinds { caustic, bounced: Population::NONE };
+    shoot(world, &plans, pass, &Unattended(progress), || ())
+        .map_or_else(|Stopped| PhotonMap::empty(world.lights.len()), |maps| maps.caustic)
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.

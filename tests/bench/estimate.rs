@@ -5,7 +5,7 @@ mod support;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use support::pass::{SCENES, Small, alone};
+use support::pass::{SCENES, Seen, Small, alone};
 
 fn main() {
     divan::main();
@@ -30,9 +30,10 @@ fn nearest(bencher: Bencher, scene: &str) {
 }
 
 fn gather(bencher: Bencher, small: &Small) {
-    let (map, seen) = (small.map(), small.seen());
-    let estimate = small.estimate(&map);
+    let (maps, seen) = (small.maps(), small.seen());
+    let estimates = small.estimates(&maps);
     let points: usize = seen.iter().map(|tile| tile.points.len()).sum();
-    let all = || seen.iter().map(|tile| estimate.gather(&tile.points).len()).sum::<usize>();
+    let tile = |tile: &Seen| estimates.as_ref().map(|estimate| estimate.gather(&tile.points).len());
+    let all = || seen.iter().map(|seen| tile(seen).caustic).sum::<usize>();
     bencher.counter(ItemsCount::new(points)).bench_local(|| alone(all));
 }

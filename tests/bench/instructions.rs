@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 
 use pdembree::output::exr;
+use pdembree::photon::PhotonHarvest;
 use pdembree::render::eye_path::EyeFinds;
 use pdembree::render::photon_map;
 use support::data::root;
@@ -51,11 +52,11 @@ fn run(scene: &str, folder: &Path) {
     a_phase_ends_here();
     let harvest = small.harvest(&plans);
     a_phase_ends_here();
-    let map = harvest.into_map();
+    let maps = harvest.map(PhotonHarvest::into_map);
     a_phase_ends_here();
     let without = small.expose(EyeFinds::AllButCaustics, None);
     a_phase_ends_here();
-    let with = small.expose(EyeFinds::AllButCaustics, Some(&small.estimate(&map)));
+    let with = small.expose(EyeFinds::AllButCaustics, Some(&small.estimates(&maps)));
     a_phase_ends_here();
     let seen = small.seen();
     a_phase_ends_here();

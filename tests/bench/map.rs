@@ -24,7 +24,7 @@ fn photons_200_000(bencher: Bencher, scene: &str) {
 }
 
 fn build(bencher: Bencher, small: &Small) {
-    let photons = small.map().photons;
+    let photons = small.maps().caustic.photons;
     let harvest = || {
         let mut harvest = PhotonHarvest::new(1);
         harvest.add(LightId(0), photons.clone(), &PhotonCounts::default());

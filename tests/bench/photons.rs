@@ -31,6 +31,7 @@ fn unguided(bencher: Bencher, scene: &str) {
 
 fn trace(bencher: Bencher, small: &Small) {
     let plans = photon_map::plan(&small.world);
-    let emitted = small.harvest(&plans).into_map().counts.photons_emitted;
+    let of_both = small.maps().map(|map| map.counts.photons_emitted);
+    let emitted = of_both.caustic + of_both.bounced;
     bencher.counter(ItemsCount::new(emitted)).bench_local(|| alone(|| small.harvest(&plans)));
 }

@@ -146,6 +146,98 @@ material = "white"
 emission = 5
 "#;
 
+/// A closed room with a ball of glass, one of mirror and one of rough gold under a lamp: light that walls send through
+/// glass, over mirrors and back. The lamp's half axis is filled in.
+const ROOM: &str = r#"
+format = 1
+[camera]
+type = "perspective"
+position = [0, -0.95, 0.1]
+target = [0, 0, -0.25]
+fov_degrees = 70
+resolution = [16, 16]
+[render]
+max_bounces = 8
+layers = ["caustic", "direct", "indirect"]
+[materials.white]
+type = "lambert"
+albedo = 0.6
+[materials.red]
+type = "lambert"
+albedo = [0.6, 0.1, 0.1]
+[materials.black]
+type = "lambert"
+albedo = 0
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.mirror]
+type = "mirror"
+reflectance = 0.9
+[materials.gold]
+type = "rough_conductor"
+preset = "gold"
+roughness = 0.55
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, -1]
+a = [1, 0, 0]
+b = [0, 1, 0]
+material = "white"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 1]
+a = [1, 0, 0]
+b = [0, -1, 0]
+material = "white"
+[[objects]]
+shape = "rectangle"
+centre = [0, 1, 0]
+a = [1, 0, 0]
+b = [0, 0, 1]
+material = "white"
+[[objects]]
+shape = "rectangle"
+centre = [0, -1, 0]
+a = [1, 0, 0]
+b = [0, 0, -1]
+material = "white"
+[[objects]]
+shape = "rectangle"
+centre = [-1, 0, 0]
+a = [0, 1, 0]
+b = [0, 0, 1]
+material = "red"
+[[objects]]
+shape = "rectangle"
+centre = [1, 0, 0]
+a = [0, -1, 0]
+b = [0, 0, 1]
+material = "white"
+[[objects]]
+shape = "sphere"
+centre = [-0.45, 0.3, -0.6]
+radius = 0.35
+material = "mirror"
+[[objects]]
+shape = "sphere"
+centre = [0.45, 0.1, -0.6]
+radius = 0.35
+material = "glass"
+[[objects]]
+shape = "sphere"
+centre = [0, 0.6, 0.2]
+radius = 0.3
+material = "gold"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0.99]
+a = [HALF, 0, 0]
+b = [0, -HALF, 0]
+material = "black"
+emission = 5
+"#;
+
 struct Settings {
     method: &'static str,
     spp: u32,
@@ -154,6 +246,7 @@ struct Settings {
 
 const PHOTON_MAP: Settings = Settings { method: "photon_map", spp: 16, photons: 40_000 };
 const PATH: Settings = Settings { method: "path", spp: 256, photons: 1 };
+const PATHS: Settings = Settings { method: "path", spp: 4096, photons: 1 };
 const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 200_000 };
 
 fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
@@ -170,18 +263,18 @@ fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
 }
 
 /// Moments of each block's mean of a layer's channel over the runs.
-fn blocks(scene: &str, settings: &Settings, layer: &str) -> Vec<Moments> {
-    let across = SIDE / BLOCK;
+fn blocks(scene: &str, settings: &Settings, layer: &str, side: usize) -> Vec<Moments> {
+    let across = SIDE / side;
     let mut moments = vec![Moments::default(); across * across * 3];
     for seed in 0..RUNS {
         let image = picture(scene, settings, seed);
         let rgb = image.rgb(layer).expect("the layer was asked for");
         for (i, m) in moments.iter_mut().enumerate() {
             let (channel, block) = (i % 3, i / 3);
-            let (x0, y0) = (block % across * BLOCK, block / across * BLOCK);
-            let pixels = (0..BLOCK * BLOCK).map(|p| (y0 + p / BLOCK) * SIDE + x0 + p % BLOCK);
+            let (x0, y0) = (block % across * side, block / across * side);
+            let pixels = (0..side * side).map(|p| (y0 + p / side) * SIDE + x0 + p % side);
             let sum: f64 = pixels.map(|p| f64::from(rgb[channel][p])).sum();
-            m.push(sum / (BLOCK * BLOCK) as f64);
+            m.push(sum / (side * side) as f64);
         }
     }
     moments
@@ -189,7 +282,12 @@ fn blocks(scene: &str, settings: &Settings, layer: &str) -> Vec<Moments> {
 
 /// Whether two methods agree on a layer. Returns how much light the layer holds and how closely it was compared.
 fn assert_agree(scene: &str, a: &Settings, b: &Settings, layer: &str) -> f64 {
-    let (first, second) = (blocks(scene, a, layer), blocks(scene, b, layer));
+    assert_blocks_agree(scene, a, b, layer, BLOCK)
+}
+
+/// The same of blocks of `side` × `side` pixels.
+fn assert_blocks_agree(scene: &str, a: &Settings, b: &Settings, layer: &str, side: usize) -> f64 {
+    let (first, second) = (blocks(scene, a, layer, side), blocks(scene, b, layer, side));
     let lit: Vec<_> = first.iter().zip(&second).filter(|(x, y)| x.mean > 0.0 || y.mean > 0.0).collect();
     for (i, (x, y)) in lit.iter().enumerate() {
         let what = format!(
@@ -221,4 +319,24 @@ fn eye_paths_and_light_paths_agree_on_direct_and_indirect_light() {
 fn all_three_agree_on_the_caustic_of_a_mirror() {
     assert!(assert_agree(MIRROR, &PHOTON_MAP, &PATH, "caustic") > 0.001);
     assert_agree(MIRROR, &PATH, &LIGHT, "caustic");
+}
+
+/// Light that was scattered before it went through glass or over a mirror comes from photons that bounce.
+#[test]
+fn photons_and_eye_paths_agree_on_light_that_is_sent_back() {
+    let sent_back = BALL.replace("max_bounces = 1", "max_bounces = 8");
+    assert!(assert_agree(&sent_back, &PHOTON_MAP, &PATH, "indirect") > 1e-4);
+}
+
+/// Every class of paths is counted once: with mirrors, glass and rough metal in a closed room, under a lamp that eye paths
+/// find and one that they hardly do. Over the whole picture, since light that an eye path finds once in 10⁵ times has no
+/// normal distribution in a few pixels.
+#[test]
+fn photons_and_eye_paths_share_a_room_s_light_out() {
+    for half in ["0.5", "0.1"] {
+        let room = ROOM.replace("HALF", half);
+        for layer in ["direct", "caustic", "indirect"] {
+            assert!(assert_blocks_agree(&room, &PHOTON_MAP, &PATHS, layer, SIDE) > 0.0);
+        }
+    }
 }

@@ -5,14 +5,13 @@ use pdembree::estimate::{Estimate, GatherPoint, Turn};
 use pdembree::film::{EyeSample, Film, PixelBounds, Tile};
 use pdembree::import::{Override, load};
 use pdembree::math::Vec2;
-use pdembree::photon::{EmissionPlan, PhotonHarvest, PhotonMap};
-use pdembree::render::bounce::Bounces;
+use pdembree::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use pdembree::render::exposure::{TILE_SIZE, expose};
 use pdembree::render::eye_path::{EyeFinds, EyePathTracer};
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
-use pdembree::render::{Job, RenderState, bounce_pilots, photon_map};
+use pdembree::render::{Job, RenderState, photon_map};
 use pdembree::sampling::PixelSamples;
 use pdembree::sampling::warp::{ConcentricDisk, Warp};
 use pdembree::world::World;
@@ -66,42 +65,40 @@ impl Small {
         self.pixels().pixels() * self.world.scene.settings.spp as usize
     }
 
-    pub fn harvest(&self, plans: &[EmissionPlan]) -> PhotonHarvest {
+    pub fn harvest(&self, plans: &Kinds<Population>) -> Kinds<PhotonHarvest> {
         photon_map::harvest(&self.world, plans, 0, &Unattended(&Silent), || ()).expect("nobody stops it")
     }
 
-    pub fn map(&self) -> PhotonMap {
-        self.harvest(&photon_map::plan(&self.world)).into_map()
+    pub fn maps(&self) -> Kinds<PhotonMap> {
+        self.harvest(&photon_map::plan(&self.world)).map(PhotonHarvest::into_map)
     }
 
-    pub fn estimate<'a>(&'a self, map: &'a PhotonMap) -> Estimate<'a> {
-        Estimate::new(map, &self.world.scene.settings, 0)
+    pub fn estimates<'a>(&'a self, maps: &'a Kinds<PhotonMap>) -> Kinds<Estimate<'a>> {
+        maps.as_ref().map(|map| Estimate::new(map, &self.world.scene.settings, 0))
     }
 
     /// The whole picture; photons' light is in it where there is an estimate.
-    pub fn expose(&self, finds: EyeFinds, estimate: Option<&Estimate>) -> RenderState {
+    pub fn expose(&self, finds: EyeFinds, photons: Option<&Kinds<Estimate>>) -> RenderState {
         let watch = Unattended(&Silent);
         let job = Job::new(&self.world, self.camera.clone(), &watch);
         let mut state = RenderState::new(&self.world, self.pixels(), 0);
-        expose(&job, finds, estimate, &mut state).expect("nobody stops it");
+        expose(&job, finds, photons, &mut state).expect("nobody stops it");
         state
     }
 
     /// Tile by tile, what is there before photons are asked and before the film gets it.
     pub fn seen(&self) -> Vec<Seen> {
         let PixelBounds { x1, y1, .. } = self.pixels();
-        let bounces = bounce_pilots::learn(&self.world, &self.camera);
-        PixelBounds::tiles(x1, y1, TILE_SIZE).into_iter().map(|bounds| self.look(bounds, bounces)).collect()
+        PixelBounds::tiles(x1, y1, TILE_SIZE).into_iter().map(|bounds| self.look(bounds)).collect()
     }
 
-    fn look(&self, bounds: PixelBounds, bounces: Bounces) -> Seen {
+    fn look(&self, bounds: PixelBounds) -> Seen {
         let settings = &self.world.scene.settings;
         let tracer = EyePathTracer {
             world: &self.world,
             finds: EyeFinds::AllButCaustics,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
-            bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
         };
         let (mut samples, mut queries) = (Vec::new(), Vec::new());
