@@ -26,14 +26,15 @@ pub(super) struct Bench<'a> {
     scene: &'a StudyScene,
     place: &'a Place<'a>,
     pub reference: Reference,
-    /// The part of the emitted photons that is stored, once it was measured.
-    stored_share: OnceCell<f64>,
+    /// The part of the emitted photons that each method stores, once it was measured: not all methods guide them.
+    stored_shares: Vec<OnceCell<f64>>,
 }
 
 impl<'a> Bench<'a> {
     pub fn new(study: &'a Study, scene: &'a StudyScene, place: &'a Place<'a>) -> Result<Bench<'a>, StudyError> {
         let reference = reference(scene, &study.folder, &place.references, place.progress)?;
-        Ok(Bench { study, scene, place, reference, stored_share: OnceCell::new() })
+        let stored_shares = vec![OnceCell::new(); study.methods.len()];
+        Ok(Bench { study, scene, place, reference, stored_shares })
     }
 
     pub fn result(&self) -> Result<SceneResult, StudyError> {
@@ -85,7 +86,7 @@ impl<'a> Bench<'a> {
                     judge: &judge,
                     method,
                     asked: budget,
-                    budget: self.emitted(budget)?,
+                    budget: self.emitted(budget, entry.method)?,
                     seeds: &experiment.seeds,
                 };
                 let (rows, curve) = series.run(&entry.bandwidth)?;
@@ -104,23 +105,24 @@ impl<'a> Bench<'a> {
 
     /// The budget with photons that are to be stored turned into those that are to be emitted. How well a light is guided
     /// depends on how many photons it has, so what many of them tell is checked with about as many as are wanted.
-    fn emitted(&self, budget: Budget) -> Result<Budget, StudyError> {
+    fn emitted(&self, budget: Budget, method: usize) -> Result<Budget, StudyError> {
         let Budget::Stored(n) = budget else { return Ok(budget) };
-        let share = match self.stored_share.get() {
+        let share = match self.stored_shares[method].get() {
             Some(&share) => share,
             None => {
-                let share = self.measure_stored_share(PILOTS)?;
-                *self.stored_share.get_or_init(|| share)
+                let share = self.measure_stored_share(method, PILOTS)?;
+                *self.stored_shares[method].get_or_init(|| share)
             }
         };
         let about = (n as f64 / share).ceil() as u64;
-        let share = if about < PILOTS { self.measure_stored_share(about)? } else { share };
+        let share = if about < PILOTS { self.measure_stored_share(method, about)? } else { share };
         Ok(Budget::Photons((n as f64 / share).round() as u64))
     }
 
-    fn measure_stored_share(&self, photons: u64) -> Result<f64, StudyError> {
+    fn measure_stored_share(&self, method: usize, photons: u64) -> Result<f64, StudyError> {
         let photons = Override::new("render.photons", photons.to_string());
-        let overrides = [self.scene.overrides.clone(), vec![photons]].concat();
+        let method = &self.study.methods[method].overrides;
+        let overrides = [self.scene.overrides.clone(), method.clone(), vec![photons]].concat();
         let scene = import::load(&self.study.folder.join(&self.scene.file), &overrides)?.scene;
         let counts = photon_map::shoot_all(&World::new(scene)?, 0, &Silent).counts;
         match counts.photons_stored {
