@@ -55,13 +55,19 @@ pub struct PhotonHarvest {
     photons: Vec<Photon>,
     counts: PhotonCounts,
     by_light: Vec<PhotonCounts>,
+    whole: bool,
 }
 
 impl PhotonHarvest {
     /// None yet, of so many lights.
     pub fn new(lights: usize) -> PhotonHarvest {
         let (photons, counts) = (Vec::new(), PhotonCounts::default());
-        PhotonHarvest { photons, counts, by_light: vec![PhotonCounts::default(); lights] }
+        PhotonHarvest { photons, counts, by_light: vec![PhotonCounts::default(); lights], whole: false }
+    }
+
+    /// Of photons that are not to be dealt out to strata: one sheet of an even pattern, which strata would tear.
+    pub fn whole(self, whole: bool) -> PhotonHarvest {
+        PhotonHarvest { whole, ..self }
     }
 
     /// A unit's photons.
@@ -73,10 +79,10 @@ impl PhotonHarvest {
 
     /// The map of all; the same whatever order they came in.
     pub fn into_map(self) -> PhotonMap {
-        let PhotonHarvest { mut photons, counts, by_light } = self;
+        let PhotonHarvest { mut photons, counts, by_light, whole } = self;
         let ranks = ranks(&photons);
         let coverage = coverage(&photons, &ranks);
-        let m = strata_for(coverage);
+        let m = if whole { 1 } else { strata_for(coverage) };
         let ends: Vec<usize> = (0..=m).map(|k| first_of_stratum(photons.len(), m, k)).collect();
         arrange(&mut photons, |place| {
             let k = ends.partition_point(|&end| end <= place) - 1;
@@ -246,6 +252,9 @@ mod tests {
             assert_eq!(sorted(&map.photons), sorted(&photons(n, width)), "photons were lost or made");
         }
         assert!(map(&[photons(1000, 0.1)]).strata().len() > 4, "wide footprints are worth strata");
+        let mut sheet = PhotonHarvest::new(1).whole(true);
+        sheet.add(LightId(0), photons(1000, 0.1), &PhotonCounts::default());
+        assert_eq!(sheet.into_map().strata().len(), 1);
     }
 
     #[test]

@@ -161,7 +161,10 @@ pub fn harvest(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<Kinds<PhotonHarvest>, Stopped> {
-    let mut harvest = [0; 2].map(|_| PhotonHarvest::new(world.lights.len()));
+    let mut harvest = plans
+        .as_ref()
+        .into_array()
+        .map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
     let units = units(world, plans, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
@@ -173,6 +176,13 @@ pub fn harvest(
     watch.finish();
     let [caustic, bounced] = harvest;
     Ok(Kinds { caustic, bounced })
+}
+
+/// Whether photons leave every light from one point, or into one direction, so that they lie on what they light as evenly
+/// as they set out.
+fn is_one_sheet(world: &World, population: &Population) -> bool {
+    population.first_event == FirstEvent::Delta
+        && population.plans.iter().all(|plan| world.lights.get(plan.light).is_delta())
 }
 
 /// Some photons of one kind.
