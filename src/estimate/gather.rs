@@ -90,6 +90,9 @@ pub struct Gathered {
 /// Photons come in the order of the map whatever points are asked about: a point's sum has the same bits for every
 /// partition of the picture.
 pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
+    if map.photons.is_empty() {
+        return vec![Gathered::default(); points.len()];
+    }
     let strata = map.strata();
     let drawn = |point: &GatherPoint| match point.asks {
         Asks::All(_) => Gathered::default(),

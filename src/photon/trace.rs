@@ -31,6 +31,8 @@ pub struct PhotonTracer<'a, const N: usize> {
     bounces: Option<Bounces>,
     pending: Vec<Branch<N>>,
     pub photons: Vec<Photon>,
+    /// Those sent out as caustics that were scattered since.
+    pub onward: Vec<Photon>,
     pub counts: PhotonCounts,
 }
 
@@ -53,8 +55,17 @@ struct Branch<const N: usize> {
 impl<'a, const N: usize> PhotonTracer<'a, N> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
-        let (pending, photons, counts) = (Vec::new(), Vec::new(), PhotonCounts::default());
-        PhotonTracer { world, limits, spread, first_event: FirstEvent::Delta, bounces: None, pending, photons, counts }
+        PhotonTracer {
+            world,
+            limits,
+            spread,
+            first_event: FirstEvent::Delta,
+            bounces: None,
+            pending: Vec::new(),
+            photons: Vec::new(),
+            onward: Vec::new(),
+            counts: PhotonCounts::default(),
+        }
     }
 
     /// For photons of this kind.
@@ -126,7 +137,9 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             return;
         }
         let form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
-        self.photons.push(Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object));
+        let is_onward = self.first_event == FirstEvent::Delta && branch.bounces > 0;
+        let list = if is_onward { &mut self.onward } else { &mut self.photons };
+        list.push(Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object));
         self.counts.photons_stored += 1;
     }
 

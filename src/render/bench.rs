@@ -171,7 +171,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 /// The photons of pass 0. Nobody stops it.
 fn harvest(world: &World, plans: &Kinds<Population>) -> Kinds<PhotonHarvest> {
     photon_map::harvest(world, plans, 0, &Unattended(&Silent), || ())
-        .unwrap_or_else(|Stopped| Kinds { caustic: 0, bounced: 0 }.map(|_| PhotonHarvest::new(world.lights.len())))
+        .unwrap_or_else(|Stopped| Kinds::<()>::default().map(|()| PhotonHarvest::new(world.lights.len())))
 }
 
 /// The picture of pass 0, thrown away.

@@ -138,10 +138,11 @@ impl Exposure<'_> {
 /// Adds the photons' light at all queries of a tile.
 fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
     let points: Vec<GatherPoint> = queries.iter().map(|q| q.point).collect();
-    let Kinds { caustic, bounced } = photons.as_ref().map(|estimate| estimate.gather(&points));
-    for (((query, &owner), caustic), bounced) in queries.iter().zip(owners).zip(caustic).zip(bounced) {
+    let gathered = photons.as_ref().map(|estimate| estimate.gather(&points));
+    for (i, (query, &owner)) in queries.iter().zip(owners).enumerate() {
         let sample = &mut samples[owner].2;
-        sample.caustic += query.beta * caustic.radiance.0;
+        let Kinds { caustic, onward, bounced } = gathered.as_ref().map(|gathered| gathered[i]);
+        sample.caustic += query.beta * (caustic.radiance.0 + onward.radiance.0);
         sample.indirect += query.beta * bounced.radiance.0;
         if query.first {
             sample.photon_density = caustic.density;

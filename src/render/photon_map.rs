@@ -49,7 +49,7 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
 
 /// What every pass sends.
 pub fn plan(world: &World) -> Kinds<Population> {
-    Kinds { caustic: caustics(world), bounced: bounced(world) }
+    Kinds { caustic: caustics(world), onward: Population::NONE, bounced: bounced(world) }
 }
 
 /// Photons to the specular objects.
@@ -161,66 +161,76 @@ pub fn harvest(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<Kinds<PhotonHarvest>, Stopped> {
-    let mut harvest = plans
-        .as_ref()
-        .into_array()
-        .map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
+    let mut harvest =
+        plans.as_ref().map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
     let units = units(world, plans, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, &units[i], spread);
-    run_units(&scattered(units.len()), watch, trace, |i, (photons, counts)| {
-        harvest[units[i].kind].add(units[i].emission.light, photons, &counts);
+    run_units(&scattered(units.len()), watch, trace, |i, Traced { photons, onward, counts }| {
+        let light = units[i].emission.light;
+        let kind = match units[i].population.first_event {
+            FirstEvent::Delta => &mut harvest.caustic,
+            FirstEvent::Scatter => &mut harvest.bounced,
+        };
+        kind.add(light, photons, &counts);
+        harvest.onward.add(light, onward, &PhotonCounts::default());
         between();
     })?;
     watch.finish();
-    let [caustic, bounced] = harvest;
-    Ok(Kinds { caustic, bounced })
+    Ok(harvest)
 }
 
 /// Whether photons leave every light from one point, or into one direction, so that they lie on what they light as evenly
 /// as they set out.
 fn is_one_sheet(world: &World, population: &Population) -> bool {
     population.first_event == FirstEvent::Delta
+        && !population.plans.is_empty()
         && population.plans.iter().all(|plan| world.lights.get(plan.light).is_delta())
 }
 
 /// Some photons of one kind.
 struct Unit<'a> {
-    /// Its place in [`Kinds::into_array`].
-    kind: usize,
     population: &'a Population,
     emission: EmissionUnit,
 }
 
 fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
     let settings = &world.scene.settings;
-    let of = |(kind, population): (usize, &'a Population)| {
+    let of = |population: &'a Population| {
         let Population { plans, aim, .. } = population;
         let all = EmissionUnit::all(plans, &world.lights, settings, aim, pass, PHOTONS_PER_UNIT);
-        all.into_iter().map(move |emission| Unit { kind, population, emission })
+        all.into_iter().map(move |emission| Unit { population, emission })
     };
-    plans.as_ref().into_array().into_iter().enumerate().flat_map(of).collect()
+    plans.as_ref().into_array().into_iter().flat_map(of).collect()
 }
 
 fn limits(world: &World) -> PathLimits {
     PathLimits { max_depth: world.scene.settings.max_depth, roulette_below: PathLimits::ROULETTE_BELOW }
 }
 
+/// What a unit stored.
+struct Traced {
+    photons: Vec<Photon>,
+    onward: Vec<Photon>,
+    counts: PhotonCounts,
+}
+
 /// Only footprints need the photons' columns.
-fn trace_unit(world: &World, unit: &Unit, spread: Spread) -> (Vec<Photon>, PhotonCounts) {
+fn trace_unit(world: &World, unit: &Unit, spread: Spread) -> Traced {
     match world.scene.settings.estimator {
         Estimator::Differentials => trace_with::<4>(world, unit, spread),
         Estimator::Progressive | Estimator::NearestNeighbours => trace_with::<0>(world, unit, spread),
     }
 }
 
-fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> (Vec<Photon>, PhotonCounts) {
+fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> Traced {
     let mut tracer = PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population);
     let aim = &unit.population.aim;
     let emitted = unit.emission.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
     tracer.counts.photons_emitted = emitted;
-    (tracer.photons, tracer.counts)
+    let PhotonTracer { photons, onward, counts, .. } = tracer;
+    Traced { photons, onward, counts }
 }
 
 /// How many photons pass `pass` stores, from about `some` units of it, spread over all.
@@ -229,7 +239,7 @@ pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
     let units = units(world, &plans, pass);
     let step = units.len().div_ceil(some.max(1)).max(1);
     let spread = spread(world, pass);
-    let stored = |unit: &Unit| trace_unit(world, unit, spread).1.photons_stored;
+    let stored = |unit: &Unit| trace_unit(world, unit, spread).counts.photons_stored;
     let tried = units.len().div_ceil(step).max(1);
     let sum: u64 = units.iter().step_by(step).map(stored).sum();
     (sum as f64 * units.len() as f64 / tried as f64).ceil() as u64
@@ -238,7 +248,7 @@ pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
 /// The caustics' photons of pass `pass`, by someone who does not stop.
 pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
     let caustic = Population { bounces: None, ..caustics(world) };
-    let plans = Kinds { caustic, bounced: Population::NONE };
+    let plans = Kinds { caustic, onward: Population::NONE, bounced: Population::NONE };
     shoot(world, &plans, pass, &Unattended(progress), || ())
         .map_or_else(|Stopped| PhotonMap::empty(world.lights.len()), |maps| maps.caustic)
 }
