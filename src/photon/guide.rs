@@ -1,8 +1,8 @@
-//! Which part of a light's emission map reaches specular surfaces and makes caustics.
+//! Which part of a light's emission map is of use: reaches specular surfaces and makes caustics, or goes on from others.
 //!
 //! A survey by pilot photons says so once for a render for the leading pair of the map, and on the way for the other pair:
-//! which side of a lamp looks at the glass. The map is then filled more densely: all points are kept in cells that led to
-//! a stored photon and in their neighbours, few elsewhere. One even set of points is thinned and not a set for each cell
+//! which side of a lamp looks at the glass. The map is then filled more densely: all points are kept in cells that were
+//! of use and in their neighbours, few elsewhere. One even set of points is thinned and not a set for each cell
 //! laid out, so that a lattice has no seams; where pilots found nothing some photons still go, of more light and wider
 //! footprints, so that nothing is lost that they missed.
 

@@ -38,7 +38,6 @@ pub struct PhotonCounts {
     /// Met no lobe at their first surface that their kind goes on through: direct light, which the eye path gathers itself.
     pub direct: u64,
     /// Went on from a surface that scatters.
-    #[serde(default)]
     pub bounced: u64,
     /// Left the scene.
     pub escaped: u64,

@@ -25,7 +25,7 @@ const FIRST_SHARE: f64 = 0.25;
 pub enum Cell {
     /// None was there yet.
     Open,
-    /// None led to a stored photon.
+    /// None was of use.
     Missed,
     /// Some did.
     Hit,
@@ -35,7 +35,7 @@ pub enum Cell {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub cells: Vec<Cell>,
-    /// The other pair of each pilot that led to a stored photon.
+    /// The other pair of each pilot that was of use.
     pub others: Vec<[f64; 2]>,
 }
 
@@ -44,7 +44,7 @@ pub struct Row {
 pub struct Survey {
     pub side: usize,
     pub cells: Vec<Cell>,
-    /// The other pair of each pilot that led to a stored photon, of all levels.
+    /// The other pair of each pilot that was of use, of all levels.
     pub others: Vec<[f64; 2]>,
     /// How often the first cells were cut.
     level: u64,
@@ -79,7 +79,7 @@ impl Survey {
     ) -> Row {
         let mut found = Row { cells: self.cells[row * self.side..][..self.side].to_vec(), others: Vec::new() };
         for (column, cell) in found.cells.iter_mut().enumerate().filter(|(_, cell)| **cell == Cell::Open) {
-            let mut stored = |k: u64| {
+            let mut useful = |k: u64| {
                 // The sample points are fixed ones, so that what is found is a property of the scene.
                 let number = (row * self.side + column) as u64;
                 let i = number * PILOTS_PER_CELL + k;
@@ -90,7 +90,7 @@ impl Survey {
                 let path = u64::from(light.0) << 44 | self.level << 36 | i;
                 tracer.is_useful(&emission, &mut Stream::new(0, Purpose::Guide, 0, path)).then_some(other)
             };
-            let others: Vec<[f64; 2]> = (0..PILOTS_PER_CELL).filter_map(&mut stored).collect();
+            let others: Vec<[f64; 2]> = (0..PILOTS_PER_CELL).filter_map(&mut useful).collect();
             *cell = if others.is_empty() { Cell::Missed } else { Cell::Hit };
             found.others.extend(others);
         }

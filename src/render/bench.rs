@@ -11,7 +11,7 @@ use super::eye_path::EyeFinds;
 use super::progress::Silent;
 use super::unit::{NoThread, on_one_thread, threads};
 use super::watch::{Stopped, Unattended};
-use super::{BadCamera, Job, RenderState, exposure, photon_map};
+use super::{BadCamera, Job, RenderState, emission, exposure, photon_map};
 use crate::backend::{self, Backend, Query, Recorded, RecordingBackend};
 use crate::camera::Camera;
 use crate::estimate::Estimate;
@@ -144,7 +144,7 @@ fn other_than(kind: BackendKind) -> Option<BackendKind> {
 impl Standard {
     /// Leaves `world` set to the standard estimate.
     fn of(world: &mut World, camera: &Camera) -> Standard {
-        let plans = photon_map::plan(world);
+        let plans = emission::plan(world);
         let (_, with_columns) = timed(|| harvest(world, &plans));
         world.scene.settings.estimator = Estimator::NearestNeighbours;
         let (plain, without) = timed(|| harvest(world, &plans));
@@ -211,7 +211,7 @@ impl Run {
             after(phase);
             start = Instant::now();
         };
-        let plans = photon_map::plan(world);
+        let plans = emission::plan(world);
         end(0);
         let harvest = harvest(world, &plans);
         end(1);

@@ -6,6 +6,7 @@
 pub mod bench;
 pub mod budget;
 pub mod crosscheck;
+pub mod emission;
 pub mod exposure;
 pub mod eye_path;
 pub mod light_trace;
@@ -38,8 +39,7 @@ pub struct RenderReport {
     pub photons: PhotonCounts,
     /// The same for each light, in the order of the scene's lights.
     pub photons_by_light: Vec<PhotonCounts>,
-    /// Photons that may bounce, of all passes.
-    #[serde(default)]
+    /// Photons that are scattered first, of all passes.
     pub bounced_photons: PhotonCounts,
     /// Rays that the backend refused.
     pub invalid_rays: u64,

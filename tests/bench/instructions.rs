@@ -16,8 +16,8 @@ use std::process::{Command, ExitCode, Stdio};
 
 use pdembree::output::exr;
 use pdembree::photon::PhotonHarvest;
+use pdembree::render::emission;
 use pdembree::render::eye_path::EyeFinds;
-use pdembree::render::photon_map;
 use support::data::root;
 use support::instructions::{Count, Environment, Row, Table, judge, read_callgrind};
 use support::pass::{SCENES, Small, alone};
@@ -48,7 +48,7 @@ fn run(scene: &str, folder: &Path) {
     a_phase_ends_here();
     let small = Small::of(scene);
     a_phase_ends_here();
-    let plans = photon_map::plan(&small.world);
+    let plans = emission::plan(&small.world);
     a_phase_ends_here();
     let harvest = small.harvest(&plans);
     a_phase_ends_here();

@@ -5,7 +5,7 @@ mod support;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use pdembree::render::photon_map;
+use pdembree::render::emission;
 use support::pass::{SCENES, Small, alone};
 
 fn main() {
@@ -16,7 +16,7 @@ fn main() {
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn pilots(bencher: Bencher, scene: &str) {
     let small = Small::of(scene);
-    bencher.bench_local(|| alone(|| photon_map::plan(&small.world)));
+    bencher.bench_local(|| alone(|| emission::plan(&small.world)));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
@@ -30,7 +30,7 @@ fn unguided(bencher: Bencher, scene: &str) {
 }
 
 fn trace(bencher: Bencher, small: &Small) {
-    let plans = photon_map::plan(&small.world);
+    let plans = emission::plan(&small.world);
     let of_both = small.maps().map(|map| map.counts.photons_emitted);
     let emitted = of_both.caustic + of_both.bounced;
     bencher.counter(ItemsCount::new(emitted)).bench_local(|| alone(|| small.harvest(&plans)));

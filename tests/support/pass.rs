@@ -11,7 +11,7 @@ use pdembree::render::eye_path::{EyeFinds, EyePathTracer};
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
-use pdembree::render::{Job, RenderState, photon_map};
+use pdembree::render::{Job, RenderState, emission, photon_map};
 use pdembree::sampling::PixelSamples;
 use pdembree::sampling::warp::{ConcentricDisk, Warp};
 use pdembree::world::World;
@@ -70,7 +70,7 @@ impl Small {
     }
 
     pub fn maps(&self) -> Kinds<PhotonMap> {
-        self.harvest(&photon_map::plan(&self.world)).map(PhotonHarvest::into_map)
+        self.harvest(&emission::plan(&self.world)).map(PhotonHarvest::into_map)
     }
 
     pub fn estimates<'a>(&'a self, maps: &'a Kinds<PhotonMap>) -> Kinds<Estimate<'a>> {
