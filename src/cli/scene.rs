@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use pdembree::import::{self, Loaded, Override};
 use pdembree::scene::settings::{
-    BackendKind, EmissionPattern, Estimator, FootprintRule, Guiding, KernelShape, Layer, Method,
+    BackendKind, BounceFootprint, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape, Layer,
+    Method,
 };
 
 use super::console::Verbosity;
@@ -60,6 +61,12 @@ struct SettingsArgs {
     /// Ellipse that a photon's differentials span
     #[arg(long, env = "PDEMBREE_FOOTPRINT", value_parser = PossibleValuesParser::new(FootprintRule::NAMES))]
     footprint: Option<String>,
+    /// What finds the light between surfaces that scatter: eye paths, photons, or photons behind one bounce of the eye
+    #[arg(long, env = "PDEMBREE_INDIRECT", value_parser = PossibleValuesParser::new(Indirect::NAMES))]
+    indirect: Option<String>,
+    /// What a photon stands for after a surface has scattered it
+    #[arg(long, env = "PDEMBREE_BOUNCE_FOOTPRINT", value_parser = PossibleValuesParser::new(BounceFootprint::NAMES))]
+    bounce_footprint: Option<String>,
     /// Shape of the kernel over a footprint
     #[arg(long, env = "PDEMBREE_KERNEL", value_parser = kernels())]
     kernel: Option<String>,
@@ -137,6 +144,8 @@ impl SettingsArgs {
             ("estimator", word(&self.estimator)),
             ("guiding", word(&self.guiding)),
             ("footprint", word(&self.footprint)),
+            ("indirect", word(&self.indirect)),
+            ("bounce_footprint", word(&self.bounce_footprint)),
             ("kernel", word(&self.kernel)),
             ("bandwidth", self.bandwidth.clone()),
             ("k", number(self.k)),

@@ -10,8 +10,9 @@ use kiddo::{ImmutableKdTree, QueryResultItem, SquaredEuclidean};
 
 use super::gather::{GatherPoint, Gathered};
 use super::kernel;
-use super::pair::{MIN_NORMAL_COSINE, reflected};
+use super::pair::reflected;
 use crate::photon::PhotonMap;
+use crate::photon::record::MIN_NORMAL_COSINE;
 use crate::radiometry::Radiance;
 use crate::scene::settings::KernelShape;
 

@@ -9,12 +9,10 @@ use super::kernel;
 use crate::math::Dir3;
 use crate::photon::Photon;
 use crate::photon::footprint::TangentForm;
+use crate::photon::record::MIN_NORMAL_COSINE;
 use crate::radiometry::Spectrum;
 use crate::scene::settings::KernelShape;
 use crate::surface::TransportMode;
-
-/// Photons on a surface turned further than this from the point's are not its light (cosine of the angle).
-pub const MIN_NORMAL_COSINE: f64 = 0.9;
 
 /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², Q = Q_photon + Q_eye; 0 where the footprint does not reach the point or belongs to another
 /// surface.

@@ -14,11 +14,12 @@ use std::ops::ControlFlow;
 use pulp::NullaryFnOnce;
 
 use super::kernel;
-use super::pair::{self, MIN_NORMAL_COSINE};
+use super::pair;
 use super::receivers::{Block, Eight, Receivers, Sums, Vec3Eight};
 use crate::math::{Point3, Vec3};
 use crate::photon::Photon;
 use crate::photon::index::{Boxes, Lanes, Visitor, WIDTH};
+use crate::photon::record::MIN_NORMAL_COSINE;
 use crate::scene::settings::KernelShape;
 
 /// The shortest unit of length, m²: for footprints without extent, which are only as wide as the eye's.

@@ -34,6 +34,11 @@ impl Bounds3 {
     pub fn diagonal(&self) -> Vec3 {
         self.max - self.min
     }
+    /// Of its six faces, m².
+    pub fn area(&self) -> f64 {
+        let d = self.diagonal();
+        2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
+    }
     pub fn centre(&self) -> Point3 {
         Point3::from_vec((self.min.to_vec() + self.max.to_vec()) * 0.5)
     }

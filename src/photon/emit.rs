@@ -145,11 +145,18 @@ pub struct Population {
     pub first_event: FirstEvent,
     /// How they go on from surfaces that scatter, if they do.
     pub bounces: Option<Bounces>,
+    /// Whether they bring the light that comes straight from surfaces that scatter, too.
+    pub stores_scattered: bool,
 }
 
 impl Population {
-    pub const NONE: Population =
-        Population { plans: Vec::new(), aim: Aim::Everywhere, first_event: FirstEvent::Delta, bounces: None };
+    pub const NONE: Population = Population {
+        plans: Vec::new(),
+        aim: Aim::Everywhere,
+        first_event: FirstEvent::Delta,
+        bounces: None,
+        stores_scattered: false,
+    };
 }
 
 /// A run of consecutive points of one light: a unit of work.

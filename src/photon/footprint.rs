@@ -34,6 +34,31 @@ impl TangentForm {
     pub fn trace(&self) -> f64 {
         self.xx + self.yy
     }
+    /// eᵀ Q e for a unit tangent vector e: the square of how far the ellipse reaches along it.
+    pub fn along(&self, e: Vec2) -> f64 {
+        self.xx * e.x * e.x + 2.0 * self.xy * e.x * e.y + self.yy * e.y * e.y
+    }
+    /// The ellipse with no semi-axis longer than this.
+    pub fn at_most(self, semi_axis: f64) -> TangentForm {
+        let limit = semi_axis * semi_axis;
+        if self.trace() <= limit {
+            return self;
+        }
+        let ([minor, major], along) = self.principal();
+        let (a, b) = (major.min(limit), minor.min(limit));
+        let (x, y) = (along.x, along.y);
+        TangentForm { xx: a * x * x + b * y * y, xy: (a - b) * x * y, yy: a * y * y + b * x * x }
+    }
+    /// R Q Rᵀ, R the mirror image across the line at right angles to the unit vector `e`.
+    pub fn mirrored(&self, e: Vec2) -> TangentForm {
+        let q = Vec2::new(self.xx * e.x + self.xy * e.y, self.xy * e.x + self.yy * e.y);
+        let twice = 4.0 * self.along(e);
+        TangentForm {
+            xx: self.xx - 4.0 * q.x * e.x + twice * e.x * e.x,
+            xy: self.xy - 2.0 * (q.x * e.y + q.y * e.x) + twice * e.x * e.y,
+            yy: self.yy - 4.0 * q.y * e.y + twice * e.y * e.y,
+        }
+    }
     /// dᵀ Q⁻¹ d · det Q.
     pub fn adjugate_form(&self, d: Vec2) -> f64 {
         self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y
@@ -166,5 +191,26 @@ mod tests {
         }
         let point = TangentForm::default().principal();
         assert_eq!(point, ([0.0, 0.0], Vec2::X));
+    }
+
+    #[test]
+    fn forms_are_mirrored_and_limited() {
+        let frame = Frame::from_unit(Normal3::Z);
+        let e = Vec2::new(0.6, 0.8);
+        let mirror = |v: Vec3| v - (frame.t * e.x + frame.b * e.y) * (2.0 * frame.project(v).dot(e));
+        let axes = [frame.t * 0.3 + frame.b * 0.1, frame.b * 0.2 - frame.t * 0.7];
+        let (form, image) = (TangentForm::from_axes(&frame, axes), TangentForm::from_axes(&frame, axes.map(mirror)));
+        let mirrored = form.mirrored(e);
+        let near =
+            |a: TangentForm, b: TangentForm| (a.xx - b.xx).abs() + (a.xy - b.xy).abs() + (a.yy - b.yy).abs() < 1e-14;
+        assert!(near(mirrored, image), "{mirrored:?}, not {image:?}");
+        assert!((form.along(e) - mirrored.along(e)).abs() < 1e-15);
+        let ([minor, major], along) = form.principal();
+        for limit in [2.0, 0.9 * major.sqrt(), 0.5 * minor.sqrt()] {
+            let (limited, squared) = (form.at_most(limit), limit * limit);
+            let [a, b] = [major.min(squared), minor.min(squared)];
+            assert!((limited.along(along) - a).abs() < 1e-14 && (limited.determinant() - a * b).abs() < 1e-14);
+        }
+        assert_eq!(form.at_most(2.0), form);
     }
 }

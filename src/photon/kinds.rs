@@ -1,5 +1,6 @@
-//! Kinds of photons share the light that reaches a surface over a mirror or a glass out between them: caustics, L S⁺ D;
-//! what goes on from there, L S⁺ D … S⁺ D; and light that is scattered first, L D … S⁺ D.
+//! Kinds of photons share the light that reaches a surface otherwise than straight from a light out between them: over a
+//! mirror or a glass caustics, L S⁺ D; what goes on from there, L S⁺ D … S⁺ D; and light that is scattered first,
+//! L D … S⁺ D. Where photons also bring what comes straight from a surface that scatters, L … D D, it is the fourth kind.
 //!
 //! They set out to different places, come in different numbers, are narrow or wide, and belong to different layers of the
 //! picture: each kind has its own map and estimate.
@@ -11,16 +12,23 @@ pub struct Kinds<T> {
     /// Sent out as caustics, and scattered since.
     pub onward: T,
     pub bounced: T,
+    /// Straight from a surface that scatters, whatever they were sent out for.
+    pub scattered: T,
 }
 
 impl<T> Kinds<T> {
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Kinds<U> {
-        Kinds { caustic: f(self.caustic), onward: f(self.onward), bounced: f(self.bounced) }
+        Kinds {
+            caustic: f(self.caustic),
+            onward: f(self.onward),
+            bounced: f(self.bounced),
+            scattered: f(self.scattered),
+        }
     }
     pub fn as_ref(&self) -> Kinds<&T> {
-        Kinds { caustic: &self.caustic, onward: &self.onward, bounced: &self.bounced }
+        Kinds { caustic: &self.caustic, onward: &self.onward, bounced: &self.bounced, scattered: &self.scattered }
     }
-    pub fn into_array(self) -> [T; 3] {
-        [self.caustic, self.onward, self.bounced]
+    pub fn into_array(self) -> [T; 4] {
+        [self.caustic, self.onward, self.bounced, self.scattered]
     }
 }

@@ -1,6 +1,7 @@
 //! Photons: emit → trace → map.
 
 pub mod bounce;
+mod edge;
 pub mod emit;
 pub mod footprint;
 pub mod guide;

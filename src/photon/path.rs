@@ -35,6 +35,9 @@ pub struct PhotonCounts {
     pub photons_emitted: u64,
     /// Records made: vertices with a lobe that is not a delta, reached over at least one delta event.
     pub photons_stored: u64,
+    /// Images of photons whose footprints reach behind a wall.
+    #[serde(default)]
+    pub edge_images: u64,
     /// Met no lobe at their first surface that their kind goes on through: direct light, which the eye path gathers itself.
     pub direct: u64,
     /// Went on from a surface that scatters.
@@ -65,6 +68,7 @@ impl PhotonCounts {
     pub fn merge(&mut self, other: &PhotonCounts) {
         self.photons_emitted += other.photons_emitted;
         self.photons_stored += other.photons_stored;
+        self.edge_images += other.edge_images;
         self.direct += other.direct;
         self.bounced += other.bounced;
         self.escaped += other.escaped;

@@ -26,6 +26,9 @@ const THICKNESS: f64 = 0.1;
 /// Below this cosine a photon skims its surface, and sliding along its direction would go far.
 const MIN_SLIDE_COSINE: f64 = 0.1;
 
+/// Surfaces turned further than this from a photon's own are not lit by it (cosine of the angle).
+pub const MIN_NORMAL_COSINE: f64 = 0.9;
+
 const _: () = assert!(size_of::<Photon>() == 64);
 
 impl Photon {
@@ -77,6 +80,12 @@ impl Photon {
     }
     pub fn object(&self) -> ObjectId {
         ObjectId(self.object)
+    }
+    /// The same light elsewhere on the same plane.
+    pub fn moved(&self, p: Point3, flux: Flux, form: TangentForm) -> Photon {
+        let position = p.as_vec3().to_array();
+        let flux = flux.0.to_array().map(|c| c as f32);
+        Photon { position, flux, form: [form.xx as f32, form.xy as f32, form.yy as f32], ..*self }
     }
     /// All that it is, for an order among photons.
     pub fn bits(&self) -> [u32; 16] {

@@ -74,10 +74,10 @@ impl Share {
             let (a, b) = (qmc::r2(i), qmc::golden_lattice(i, PILOTS));
             let Some(emission) = source.emit([a[0], a[1], b[0], b[1]], aim) else { continue };
             let mut widths = |kept: std::ops::Range<usize>| {
-                tracer.photons.clear();
+                tracer.stored.caustic.clear();
                 let pilot = Emission { jacobian: only(&emission.jacobian, kept), ..emission };
                 tracer.trace(&pilot, &mut Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i));
-                tracer.photons.iter().map(|photon| photon.form().trace()).collect::<Vec<f64>>()
+                tracer.stored.caustic.iter().map(|photon| photon.form().trace()).collect::<Vec<f64>>()
             };
             for (positions, directions) in widths(0..2).into_iter().zip(widths(2..4)) {
                 if positions > 0.0 && directions > 0.0 {

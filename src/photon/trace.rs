@@ -1,19 +1,21 @@
 //! One photon's way: fly, hit, transport the columns, store, scatter, roulette.
 //!
-//! A photon is stored at every vertex with a non-delta lobe that it reached over at least one delta event, and goes on
-//! through delta lobes. Where an interface both reflects and refracts, both branches are followed while they are strong,
+//! A photon is stored at every vertex with a non-delta lobe that it reached over at least one delta event, or, where photons
+//! bring all light between surfaces that scatter, straight from one of these; and goes on through delta lobes. Where an interface both reflects and refracts, both branches are followed while they are strong,
 //! so that a lattice of photons stays a lattice behind the glass.
 //!
 //! Two kinds of photons share the light out by the first event: a delta one for caustics, L S⁺ D, and what they send on,
 //! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
 
 use super::bounce::Bounces;
+use super::edge;
 use super::emit::Population;
 use super::footprint::Spread;
+use super::kinds::Kinds;
 use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
 use super::record::Photon;
 use crate::differential::health::MAX_SPREAD;
-use crate::differential::{Differential, Refraction, bounced, narrowed, reflect, refract, transfer};
+use crate::differential::{Differential, Refraction, narrowed, reflect, refract, transfer};
 use crate::light::Emission;
 use crate::math::{Dir3, Point3, Ray};
 use crate::radiometry::Flux;
@@ -27,14 +29,22 @@ pub struct PhotonTracer<'a, const N: usize> {
     world: &'a World,
     limits: PathLimits,
     spread: Spread,
+    /// Semi-axis of a scattered photon's footprint at most, m.
+    widest: f64,
     first_event: FirstEvent,
     bounces: Option<Bounces>,
+    /// Whether photons straight from a surface that scatters are stored, too.
+    stores_scattered: bool,
     pending: Vec<Branch<N>>,
-    pub photons: Vec<Photon>,
-    /// Those sent out as caustics that were scattered since.
-    pub onward: Vec<Photon>,
+    pub stored: Kinds<Vec<Photon>>,
     pub counts: PhotonCounts,
 }
+
+/// Semi-axis of a scattered photon's footprint at most, in radii of the scene's bounding sphere: what is as wide as a room is even in it.
+const WIDEST: f64 = 0.5;
+
+/// One of the kinds' lists.
+type Kind = fn(&mut Kinds<Vec<Photon>>) -> &mut Vec<Photon>;
 
 /// A ray of light on its way.
 struct Branch<const N: usize> {
@@ -59,19 +69,20 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             world,
             limits,
             spread,
+            widest: WIDEST * world.scene.bounds.bounding_sphere().1,
             first_event: FirstEvent::Delta,
             bounces: None,
+            stores_scattered: false,
             pending: Vec::new(),
-            photons: Vec::new(),
-            onward: Vec::new(),
+            stored: Kinds::default(),
             counts: PhotonCounts::default(),
         }
     }
 
     /// For photons of this kind.
     pub fn of(self, population: &Population) -> Self {
-        let &Population { first_event, bounces, .. } = population;
-        PhotonTracer { first_event, bounces, ..self }
+        let &Population { first_event, bounces, stores_scattered, .. } = population;
+        PhotonTracer { first_event, bounces, stores_scattered, ..self }
     }
 
     /// Follows one emitted photon to the end of all its branches.
@@ -86,11 +97,11 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
 
     /// Whether such a photon is of use: it makes a caustic; or, if it is to be scattered first, it goes on.
     pub fn is_useful(&mut self, pilot: &Emission, stream: &mut Stream) -> bool {
-        self.photons.clear();
+        self.stored.caustic.clear();
         let bounced = self.counts.bounced;
         self.trace(pilot, stream);
         match self.first_event {
-            FirstEvent::Delta => !self.photons.is_empty(),
+            FirstEvent::Delta => !self.stored.caustic.is_empty(),
             FirstEvent::Scatter => self.counts.bounced > bounced,
         }
     }
@@ -100,14 +111,21 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.escaped += 1;
             return;
         };
-        let columns = transfer(&branch.columns, branch.w, si.t, si.ng);
+        let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
+        let flown = match self.bounces.filter(|_| straight_from_bounce) {
+            Some(bounces) => bounces.landing(&branch.columns, &si),
+            None => branch.columns,
+        };
+        let columns = transfer(&flown, branch.w, si.t, si.ng);
         if !columns.is_finite() {
             self.counts.broken_columns += 1;
             return;
         }
         let bsdf = self.world.bsdf_unfiltered(&si);
-        if bsdf.has_scatter() && branch.chain > 0 {
-            self.store(&si, &branch, &columns);
+        if bsdf.has_scatter()
+            && let Some(kind) = self.kind_of(&branch)
+        {
+            self.store(&si, &branch, &columns, kind);
         }
         let may = |event| branch.edge > 1 || self.first_event == event;
         let scatters = bsdf.has_delta() && may(FirstEvent::Delta);
@@ -131,16 +149,37 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
     }
 
-    fn store(&mut self, si: &Interaction, branch: &Branch<N>, columns: &Differential<N>) {
+    /// Where a photon that has come this way is stored; `None`: it is none of the photons' light.
+    fn kind_of(&self, branch: &Branch<N>) -> Option<Kind> {
+        match (branch.chain, branch.bounces, self.first_event) {
+            (0, 0, _) => None,
+            (0, _, _) => self.stores_scattered.then_some(|stored| &mut stored.scattered),
+            (_, _, FirstEvent::Scatter) => Some(|stored| &mut stored.bounced),
+            (_, 0, FirstEvent::Delta) => Some(|stored| &mut stored.caustic),
+            (_, _, FirstEvent::Delta) => Some(|stored| &mut stored.onward),
+        }
+    }
+
+    fn store(&mut self, si: &Interaction, branch: &Branch<N>, columns: &Differential<N>, kind: Kind) {
         if !branch.flux.0.is_finite() {
             self.counts.broken_flux += 1;
             return;
         }
-        let form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
-        let is_onward = self.first_event == FirstEvent::Delta && branch.bounces > 0;
-        let list = if is_onward { &mut self.onward } else { &mut self.photons };
-        list.push(Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object));
+        let mut form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
+        let is_scattered = branch.bounces > 0 && matches!(self.spread, Spread::Columns { .. });
+        if is_scattered {
+            form = form.at_most(self.widest);
+        }
+        let photon = Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object);
+        let list = kind(&mut self.stored);
+        list.push(photon);
         self.counts.photons_stored += 1;
+        // Photons that come from a light directly are narrow.
+        if is_scattered && form.trace() > 0.0 {
+            let images = edge::images(self.world, &photon);
+            self.counts.edge_images += images.len() as u64;
+            list.extend(images);
+        }
     }
 
     /// Goes on through all delta lobes that are strong enough.
@@ -200,7 +239,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.roulette += 1;
             return;
         };
-        let columns = bounced(columns, si.ng, next.wi, bounces.cell(next.pdf));
+        let columns = bounces.columns(columns, si, &next, branch.bounces + 1);
         self.pending.push(Branch {
             origin: si.ray_origin(next.wi),
             w: next.wi,

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::eye_path::EyeFinds;
+use super::partition::EyeFinds;
 use super::progress::Silent;
 use super::unit::{NoThread, on_one_thread, threads};
 use super::watch::{Stopped, Unattended};
@@ -180,7 +180,7 @@ fn expose(world: &World, camera: &Camera, photons: Option<&Kinds<Estimate>>) {
     let job = Job::new(world, camera.clone(), &unattended);
     let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
     // Nobody stops it.
-    let _ = exposure::expose(&job, EyeFinds::AllButCaustics, photons, &mut state);
+    let _ = exposure::expose(&job, EyeFinds::AllButFocused, photons, &mut state);
 }
 
 /// Seconds that the library takes for all the rays, of which some were kept.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::partition;
 use super::progress::Silent;
 use super::unit::collect_units;
 use super::watch::{Stopped, Unattended};
@@ -26,27 +27,32 @@ const LEAST_USEFUL: f64 = 1.0 / 16.0;
 /// Of pilots, whose footprints are compared with each other or not looked at.
 const UNIT_SPREAD: Spread = Spread::Columns { rule: FootprintRule::Quadratic, scale: 1.0 };
 
-/// Photons that are scattered first, for each one that is to make a caustic, and which part of those goes on from there.
+/// Photons that are scattered first, for each one that is to make a caustic, and which part of those goes on from there;
+/// where photons bring all light between surfaces that scatter, there are as many of both.
 const BOUNCED_SHARE: f64 = 0.25;
 
 /// What every pass sends.
 pub fn plan(world: &World) -> Kinds<Population> {
-    Kinds { caustic: caustics(world), onward: Population::NONE, bounced: bounced(world) }
+    Kinds { caustic: caustics(world), bounced: bounced(world), onward: Population::NONE, scattered: Population::NONE }
 }
 
 /// Photons to the specular objects.
 pub(super) fn caustics(world: &World) -> Population {
     let (Some(aim), n) = (world.aim, world.scene.settings.photons) else { return Population::NONE };
-    let kind = Population { aim, ..Population::NONE };
+    let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
+    let kind = Population { aim, stores_scattered, ..Population::NONE };
     let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
     Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
 }
 
 /// Photons to everything else: as many as it takes for a number that goes on. Those that leave the scene cost little.
 fn bounced(world: &World) -> Population {
-    let n = (world.scene.settings.photons as f64 * BOUNCED_SHARE).ceil();
+    let settings = &world.scene.settings;
+    let stores_scattered = partition::photons_bring_scattered(settings);
+    let n = (settings.photons as f64 * if stores_scattered { 1.0 } else { BOUNCED_SHARE }).ceil();
     let Some(bounces) = bounces(world, n, 1.0) else { return Population::NONE };
-    let kind = Population { first_event: FirstEvent::Scatter, bounces: Some(bounces), ..Population::NONE };
+    let bounces = Some(bounces);
+    let kind = Population { first_event: FirstEvent::Scatter, bounces, stores_scattered, ..Population::NONE };
     let share = |light, n| {
         let source = world.lights.get(light);
         if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
@@ -90,12 +96,24 @@ fn plans(world: &World, n: u64, kind: &Population, share: impl Fn(LightId, u64) 
     lights.filter(|&(_, n)| n > 0).map(plan).collect()
 }
 
-/// How `share` of `n` photons goes on from surfaces that scatter; `None` if none does.
+/// How `share` of `n` photons goes on from surfaces that scatter; `None` if none does. Where photons only bring what goes
+/// over a mirror or a glass, there has to be one.
 fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
     let settings = &world.scene.settings;
-    let sharing = n / bandwidth::random_overlap(settings.emission);
-    let bounces = |aim| Bounces { aim, sharing, share, max: settings.max_bounces };
-    world.aim.filter(|_| settings.max_bounces > 0).map(bounces)
+    let aim = match world.aim {
+        None if partition::photons_bring_scattered(settings) => Aim::Everywhere,
+        aim => aim?,
+    };
+    let bounces = Bounces {
+        aim,
+        footprint: settings.bounce_footprint,
+        photons: n,
+        overlap: bandwidth::random_overlap(settings.emission),
+        area: world.surface_area,
+        share,
+        max: settings.max_bounces,
+    };
+    (settings.max_bounces > 0).then_some(bounces)
 }
 
 /// Where on its emission map photons of a light that is due `n` of them are of use. Only footprints can do with photons of

@@ -1,6 +1,7 @@
 //! gather → film: eye paths over all tiles, and the photons' light at their vertices.
 
-use super::eye_path::{EyeFinds, EyePathTracer, Query};
+use super::eye_path::{EyePathTracer, Query};
+use super::partition::EyeFinds;
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
@@ -138,14 +139,21 @@ impl Exposure<'_> {
 /// Adds the photons' light at all queries of a tile.
 fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
     let points: Vec<GatherPoint> = queries.iter().map(|q| q.point).collect();
-    let gathered = photons.as_ref().map(|estimate| estimate.gather(&points));
+    let Kinds { caustic, onward, bounced, scattered } = photons;
+    let [caustic, onward, bounced] = [caustic, onward, bounced].map(|estimate| estimate.gather(&points));
     for (i, (query, &owner)) in queries.iter().zip(owners).enumerate() {
         let sample = &mut samples[owner].2;
-        let Kinds { caustic, onward, bounced } = gathered.as_ref().map(|gathered| gathered[i]);
-        sample.caustic += query.beta * (caustic.radiance.0 + onward.radiance.0);
-        sample.indirect += query.beta * bounced.radiance.0;
+        sample.caustic += query.beta * (caustic[i].radiance.0 + onward[i].radiance.0);
+        sample.indirect += query.beta * bounced[i].radiance.0;
         if query.first {
-            sample.photon_density = caustic.density;
+            sample.photon_density = caustic[i].density;
         }
+    }
+    // Not all points ask for light that comes straight from a surface that scatters.
+    let asking: Vec<(&Query, usize)> =
+        queries.iter().zip(owners.iter().copied()).filter(|(q, _)| q.scattered).collect();
+    let points: Vec<GatherPoint> = asking.iter().map(|(query, _)| query.point).collect();
+    for ((query, owner), gathered) in asking.into_iter().zip(scattered.gather(&points)) {
+        samples[owner].2.indirect += query.beta * gathered.radiance.0;
     }
 }

@@ -8,7 +8,7 @@
 //! paths of a small lens' caustic are not lost beside the lens.
 
 use super::exposure::expose;
-use super::eye_path::EyeFinds;
+use super::partition::EyeFinds;
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};

@@ -11,6 +11,7 @@ pub mod exposure;
 pub mod eye_path;
 pub mod light_trace;
 pub mod memory;
+pub mod partition;
 pub mod photon_map;
 pub mod progress;
 pub mod store;
@@ -28,7 +29,7 @@ use crate::film::{Film, PixelBounds};
 use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
 use crate::world::World;
-use eye_path::EyeFinds;
+use partition::EyeFinds;
 use progress::Progress;
 use watch::{Stopped, Unattended, Watch};
 

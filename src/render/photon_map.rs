@@ -2,7 +2,7 @@
 
 use super::emission::{self, limits};
 use super::exposure::expose;
-use super::eye_path::EyeFinds;
+use super::partition::EyeFinds;
 use super::progress::Progress;
 use super::unit::{run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
@@ -24,7 +24,7 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let plans = job.plans.get_or_init(|| emission::plan(world));
     let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
     let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, pass));
-    expose(job, EyeFinds::AllButCaustics, Some(&estimates), state)?;
+    expose(job, EyeFinds::beside_photons(&world.scene.settings), Some(&estimates), state)?;
     state.report.add_maps(&maps);
     Ok(())
 }
@@ -54,14 +54,19 @@ pub fn harvest(
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, &units[i], spread);
-    run_units(&scattered(units.len()), watch, trace, |i, Traced { photons, onward, counts }| {
+    run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts }| {
         let light = units[i].emission.light;
-        let kind = match units[i].population.first_event {
-            FirstEvent::Delta => &mut harvest.caustic,
-            FirstEvent::Scatter => &mut harvest.bounced,
-        };
-        kind.add(light, photons, &counts);
-        harvest.onward.add(light, onward, &PhotonCounts::default());
+        let mut of_delta = PhotonCounts::default();
+        let mut of_scatter = PhotonCounts::default();
+        match units[i].population.first_event {
+            FirstEvent::Delta => of_delta = counts,
+            FirstEvent::Scatter => of_scatter = counts,
+        }
+        let none = PhotonCounts::default();
+        harvest.caustic.add(light, stored.caustic, &of_delta);
+        harvest.onward.add(light, stored.onward, &none);
+        harvest.bounced.add(light, stored.bounced, &of_scatter);
+        harvest.scattered.add(light, stored.scattered, &none);
         between();
     })?;
     watch.finish();
@@ -94,8 +99,7 @@ fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit
 
 /// What a unit stored.
 struct Traced {
-    photons: Vec<Photon>,
-    onward: Vec<Photon>,
+    stored: Kinds<Vec<Photon>>,
     counts: PhotonCounts,
 }
 
@@ -112,8 +116,8 @@ fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> Tra
     let aim = &unit.population.aim;
     let emitted = unit.emission.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
     tracer.counts.photons_emitted = emitted;
-    let PhotonTracer { photons, onward, counts, .. } = tracer;
-    Traced { photons, onward, counts }
+    let PhotonTracer { stored, counts, .. } = tracer;
+    Traced { stored, counts }
 }
 
 /// How many photons pass `pass` stores, from about `some` units of it, spread over all.
@@ -130,8 +134,8 @@ pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
 
 /// The caustics' photons of pass `pass`, by someone who does not stop.
 pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap {
-    let caustic = Population { bounces: None, ..emission::caustics(world) };
-    let plans = Kinds { caustic, onward: Population::NONE, bounced: Population::NONE };
+    let none = Kinds::<()>::default().map(|()| Population::NONE);
+    let plans = Kinds { caustic: Population { bounces: None, ..emission::caustics(world) }, ..none };
     shoot(world, &plans, pass, &Unattended(progress), || ())
         .map_or_else(|Stopped| PhotonMap::empty(world.lights.len()), |maps| maps.caustic)
 }

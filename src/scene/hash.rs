@@ -10,7 +10,7 @@ use super::description::{
     ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{BackendKind, Bandwidth, Guiding, Radius, RenderSettings};
+use super::settings::{BackendKind, Bandwidth, BounceFootprint, Guiding, Indirect, Radius, RenderSettings};
 use super::texture::{ImageTexture, Wrap};
 
 /// Changes when the serialisation below does.
@@ -132,6 +132,8 @@ impl Canonical {
             guiding,
             estimator,
             footprint,
+            indirect,
+            bounce_footprint,
             kernel,
             bandwidth,
             k,
@@ -159,6 +161,13 @@ impl Canonical {
         // Only where they are set, so that other scenes keep the digest they had before there were these.
         if *guiding == Guiding::Off {
             self.tag("unguided");
+        }
+        if *indirect != Indirect::Path {
+            self.tag(indirect.name());
+        }
+        if *bounce_footprint != BounceFootprint::Shared {
+            self.tag("bounce");
+            self.tag(bounce_footprint.name());
         }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");

@@ -1,6 +1,7 @@
 //! Things that rays can hit.
 
 use super::ids::{LightId, MaterialId, MeshId};
+use super::mesh::TriangleMesh;
 use crate::math::{Bounds3, Point3, Transform};
 use crate::shape::Shape;
 
@@ -36,6 +37,17 @@ pub struct Object {
 }
 
 impl Object {
+    /// About its area in the world, m²: exact where the transform scales evenly; a shape without an area of its own counts
+    /// as half of its box.
+    pub fn area(&self, meshes: &[TriangleMesh]) -> f64 {
+        let (own, to_world) = match &self.geometry {
+            ObjectGeometry::Mesh { mesh, to_world } => (Some(meshes[mesh.index()].area()), to_world),
+            ObjectGeometry::Shape { shape, to_world } => (shape.area(), to_world),
+        };
+        let [a, b, c] = to_world.columns();
+        own.map_or(0.5 * self.bounds.area(), |area| area * a.dot(b.cross(c)).abs().powf(2.0 / 3.0))
+    }
+
     /// Centre and radius of a sphere around the object in the world.
     pub fn bounding_sphere(&self) -> (Point3, f64) {
         if let ObjectGeometry::Shape { shape: Shape::Sphere(sphere), to_world } = &self.geometry {

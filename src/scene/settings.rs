@@ -51,6 +51,36 @@ named_choice!(
 );
 
 named_choice!(
+    /// What finds the light between surfaces that scatter.
+    Indirect {
+        /// Eye paths that bounce on.
+        Path = "path",
+        /// Photons, as the eye sees them: the global map.
+        Global = "global",
+        /// Eye paths to the first surface beyond, photons from there on.
+        FinalGather = "final_gather",
+    }
+);
+
+named_choice!(
+    /// What a photon stands for after a surface has scattered it; n photons of its kind are sent, p is the density of its
+    /// new direction (PHOTON_DIFFERENTIALS 6).
+    BounceFootprint {
+        /// The patch that it lit and a cell of 1/(n p): all photons share the directions out.
+        Shared = "shared",
+        /// The patch, and a cell that covers the photon's share of all surfaces where it lands.
+        Coverage = "coverage",
+        /// The patch and a cell of 1/(√n p).
+        Root = "root",
+        /// n is shared out evenly between all choices of the path so far, whose cells grow with each bounce: path
+        /// differentials `[Suykens01]`.
+        Path = "path",
+        /// No patch any more, and a cell of 1/(n p).
+        Reset = "reset",
+    }
+);
+
+named_choice!(
     /// How the light at a point is estimated from photons.
     Estimator {
         /// Photon differentials: every photon's own footprint.
@@ -143,6 +173,8 @@ pub struct RenderSettings {
     pub guiding: Guiding,
     pub estimator: Estimator,
     pub footprint: FootprintRule,
+    pub indirect: Indirect,
+    pub bounce_footprint: BounceFootprint,
     pub kernel: KernelShape,
     pub bandwidth: Bandwidth,
     /// Neighbours of the `knn` estimate.
@@ -151,7 +183,7 @@ pub struct RenderSettings {
     pub radius: Radius,
     /// Edges of a path at most, counted from the light or the camera.
     pub max_depth: u32,
-    /// Diffuse and glossy bounces that the eye path may take, 0: direct light and caustics only.
+    /// Diffuse and glossy bounces between a light and the surface that the eye sees, 0: direct light and caustics only.
     pub max_bounces: u32,
     /// Layers of the EXR beside the beauty, in the order they were asked for, without repetition.
     pub layers: Vec<Layer>,
@@ -170,6 +202,8 @@ impl Default for RenderSettings {
             guiding: Guiding::On,
             estimator: Estimator::Differentials,
             footprint: FootprintRule::Quadratic,
+            indirect: Indirect::Path,
+            bounce_footprint: BounceFootprint::Shared,
             // Smooth to the second derivative at its edge: at equal smoothing a lattice leaves a third of the ripple that
             // it leaves under Epanechnikov's kernel, which is only best for random photons.
             kernel: KernelShape::Triweight,

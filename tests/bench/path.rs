@@ -5,7 +5,7 @@ mod support;
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use pdembree::render::eye_path::EyeFinds;
+use pdembree::render::partition::EyeFinds;
 use support::pass::{SCENES, Small, alone};
 
 fn main() {
@@ -21,7 +21,7 @@ fn everything(bencher: Bencher, scene: &str) {
 /// The photon map's part of the light is left to it.
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn all_but_caustics(bencher: Bencher, scene: &str) {
-    expose(bencher, scene, EyeFinds::AllButCaustics);
+    expose(bencher, scene, EyeFinds::AllButFocused);
 }
 
 fn expose(bencher: Bencher, scene: &str, finds: EyeFinds) {

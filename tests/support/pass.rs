@@ -7,7 +7,8 @@ use pdembree::import::{Override, load};
 use pdembree::math::Vec2;
 use pdembree::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use pdembree::render::exposure::{TILE_SIZE, expose};
-use pdembree::render::eye_path::{EyeFinds, EyePathTracer};
+use pdembree::render::eye_path::EyePathTracer;
+use pdembree::render::partition::EyeFinds;
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
@@ -96,7 +97,7 @@ impl Small {
         let settings = &self.world.scene.settings;
         let tracer = EyePathTracer {
             world: &self.world,
-            finds: EyeFinds::AllButCaustics,
+            finds: EyeFinds::AllButFocused,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),

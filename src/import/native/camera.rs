@@ -10,8 +10,8 @@ use crate::import::keyed::reader::Section;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraModelDescription};
 use crate::scene::settings::{
-    BackendKind, Bandwidth, EmissionPattern, Estimator, FootprintRule, Guiding, KernelShape, Layer,
-    MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
+    BackendKind, Bandwidth, BounceFootprint, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape,
+    Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
 };
 
 /// Pixels along one side at most.
@@ -177,6 +177,16 @@ pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
             "footprint",
             Choice { names: FootprintRule::NAMES, from_name: FootprintRule::from_name },
             default.footprint,
+        ),
+        indirect: section.or(
+            "indirect",
+            Choice { names: Indirect::NAMES, from_name: Indirect::from_name },
+            default.indirect,
+        ),
+        bounce_footprint: section.or(
+            "bounce_footprint",
+            Choice { names: BounceFootprint::NAMES, from_name: BounceFootprint::from_name },
+            default.bounce_footprint,
         ),
         kernel: section.or("kernel", KERNELS, default.kernel),
         bandwidth: section.or("bandwidth", AutoOr(POSITIVE), None).map_or(Bandwidth::Auto, Bandwidth::Scale),
