@@ -8,7 +8,7 @@ use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
 use crate::scene::{Object, Scene};
 use crate::shape::Parametrisation;
-use crate::surface::bsdf::can_have_delta;
+use crate::surface::bsdf::can_focus;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures};
 
 /// Why a scene cannot be traced.
@@ -26,7 +26,7 @@ pub struct World {
     pub backend: Box<dyn Backend>,
     pub lights: Lights,
     pub textures: Textures,
-    /// Where caustics can come from: around all objects with a delta lobe.
+    /// Where caustics can come from: around all objects with a delta or a glossy lobe.
     pub aim: Option<Aim>,
     /// Of all objects, m²; as good as what scales their transforms tell.
     pub surface_area: f64,
@@ -97,11 +97,10 @@ impl World {
     }
 }
 
-/// The sphere around everything with a delta lobe, or `None` if nothing in the scene makes caustics.
+/// The sphere around everything with a delta or a glossy lobe, or `None` if nothing in the scene makes caustics.
 fn caster_aim(scene: &Scene) -> Option<Aim> {
-    let casters = || {
-        scene.objects.iter().filter(|object| can_have_delta(&scene.materials[object.material.index()], &scene.textures))
-    };
+    let casters =
+        || scene.objects.iter().filter(|object| can_focus(&scene.materials[object.material.index()], &scene.textures));
     let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     if bounds.is_empty() {
         return None;

@@ -28,6 +28,55 @@ pub fn bounced<const N: usize>(columns: &Differential<N>, ng: Normal3, w: Dir3, 
     Differential::new(all).first()
 }
 
+/// The columns after a facet of a rough surface with normal `ng` has sent light on to `w`: those in `columns`, which went
+/// over the facet as over a mirror or an interface, with a cell of `cell` steradians added to all directions, since the
+/// facet was drawn. As the lobe gets narrow nothing is added any more.
+///
+/// Four columns have the same Σ c cᵀ as those six, c = (∂x/∂k, ∂ω/∂k): all that transfers and footprints depend on.
+pub fn blurred<const N: usize>(columns: &Differential<N>, ng: Normal3, w: Dir3, cell: f64) -> Differential<N> {
+    let (on, around) = (Frame::from_unit(ng), Frame::from_unit(w));
+    let mut sum = [[0.0; 4]; 4];
+    for Column { dx, dw } in columns.columns() {
+        let (x, d) = (on.project(dx), around.project(dw));
+        let c = [x.x, x.y, d.x, d.y];
+        for i in 0..4 {
+            for j in 0..4 {
+                sum[i][j] += c[i] * c[j];
+            }
+        }
+    }
+    let side = FRAC_2_SQRT_PI * cell.min(TAU).sqrt();
+    for i in 2..4 {
+        sum[i][i] += side * side;
+    }
+    let column = |[x, y, d, e]: [f64; 4]| Column { dx: on.t * x + on.b * y, dw: around.t * d + around.b * e };
+    Differential::new(factor(sum).map(column)).first()
+}
+
+/// Vectors cₖ with Σ cₖ cₖᵀ = `sum`: Cholesky's columns, zero where nothing is left.
+fn factor(mut sum: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+    std::array::from_fn(|k| {
+        let pivot = sum[k][k];
+        if pivot <= 0.0 {
+            return [0.0; 4];
+        }
+        let c: [f64; 4] = std::array::from_fn(|i| if i < k { 0.0 } else { sum[k][i] / pivot.sqrt() });
+        for i in k..4 {
+            for j in k..4 {
+                sum[i][j] -= c[i] * c[j];
+            }
+            // What rounding left of a direction that is used up.
+            if sum[i][i] < ROUNDING * c[i] * c[i] {
+                sum[i][i] = 0.0;
+            }
+        }
+        c
+    })
+}
+
+/// Of a difference of squares.
+const ROUNDING: f64 = 1e-14;
+
 /// Two tangent vectors with the same Σ P Pᵀ as all columns' positions: its Cholesky factor.
 fn patch<const N: usize>(columns: &Differential<N>, frame: &Frame) -> [Vec3; 2] {
     let [mut xx, mut xy, mut yy] = [0.0; 3];
@@ -92,5 +141,45 @@ mod tests {
         assert_eq!(bounced(&Differential::<0>::ZERO, ng, w, 1.0), Differential::ZERO);
         let all = bounced(&Differential::<4>::ZERO, ng, w, 100.0);
         assert!((FRAC_PI_4 * all.dw.get(2).cross(all.dw.get(3)).length() - TAU).abs() < 1e-12);
+    }
+
+    fn moments(d: &Differential<4>) -> [[f64; 6]; 6] {
+        let all = d.columns().map(|c| [c.dx.x, c.dx.y, c.dx.z, c.dw.x, c.dw.y, c.dw.z]);
+        std::array::from_fn(|i| std::array::from_fn(|j| all.iter().map(|c| c[i] * c[j]).sum()))
+    }
+
+    /// All moments of places and directions stay, and those of the cell come on top, whatever the columns' rank; nothing is
+    /// added by an empty cell.
+    #[test]
+    fn a_blur_keeps_every_moment_and_adds_its_own() {
+        let (ng, w) = (
+            Normal3::new(Vec3::new(0.3, -0.2, 1.0)).expect("not zero"),
+            Dir3::new(Vec3::new(-0.5, 0.4, 0.8)).expect("not zero"),
+        );
+        let (on, around) = (Frame::from_unit(ng), Frame::from_unit(w));
+        let column =
+            |x: f64, y: f64, d: f64, e: f64| Column { dx: on.t * x + on.b * y, dw: around.t * d + around.b * e };
+        let full = [
+            column(0.1, 0.02, -0.3, 0.1),
+            column(0.0, 0.2, 0.1, 0.4),
+            column(0.3, -0.1, 0.0, 0.2),
+            column(0.01, 0.0, 0.5, 0.5),
+        ];
+        let flat = [full[0], full[0], Column::ZERO, Column::ZERO];
+        for (columns, cell) in [(full, 0.02), (full, 0.0), (flat, 0.02), (flat, 0.0), ([Column::ZERO; 4], 0.3)] {
+            let before = Differential::<4>::new(columns);
+            let [old, new] = [before, blurred(&before, ng, w, cell)].map(|d| moments(&d));
+            let side = FRAC_2_SQRT_PI * f64::sqrt(cell);
+            let added = moments(&Differential::new(
+                [around.t, around.b, Vec3::ZERO, Vec3::ZERO].map(|e| Column::direction(e * side)),
+            ));
+            for i in 0..6 {
+                for j in 0..6 {
+                    let expected = old[i][j] + added[i][j];
+                    assert!((new[i][j] - expected).abs() < 1e-8, "{i} {j}: {} not {expected}", new[i][j]);
+                }
+            }
+        }
+        assert_eq!(blurred(&Differential::<0>::ZERO, ng, w, 1.0), Differential::ZERO);
     }
 }

@@ -13,7 +13,7 @@ pub mod refract;
 pub mod state;
 pub mod transfer;
 
-pub use diffuse::bounced;
+pub use diffuse::{blurred, bounced};
 pub use health::narrowed;
 pub use reflect::reflect;
 pub use refract::{Refraction, refract};

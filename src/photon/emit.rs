@@ -145,6 +145,8 @@ pub struct Population {
     pub first_event: FirstEvent,
     /// How they go on from surfaces that scatter, if they do.
     pub bounces: Option<Bounces>,
+    /// So many of them share the directions of a glossy lobe out between them: the cell of each is 1/(sharing p), sr.
+    pub sharing: f64,
     /// Whether they bring the light that comes straight from surfaces that scatter, too.
     pub stores_scattered: bool,
 }
@@ -155,6 +157,7 @@ impl Population {
         aim: Aim::Everywhere,
         first_event: FirstEvent::Delta,
         bounces: None,
+        sharing: f64::INFINITY,
         stores_scattered: false,
     };
 }

@@ -15,12 +15,13 @@ use super::kinds::Kinds;
 use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
 use super::record::Photon;
 use crate::differential::health::MAX_SPREAD;
-use crate::differential::{Differential, Refraction, narrowed, reflect, refract, transfer};
+use crate::differential::{Differential, Refraction, blurred, narrowed, reflect, refract, transfer};
 use crate::light::Emission;
-use crate::math::{Dir3, Point3, Ray};
+use crate::math::{Dir3, Normal3, Point3, Ray};
 use crate::radiometry::Flux;
 use crate::sampling::Stream;
-use crate::surface::{Bsdf, DeltaBranch, Interaction};
+use crate::surface::adjoint::shading_normal_factor;
+use crate::surface::{Bsdf, DeltaBranch, Interaction, TransportMode};
 use crate::world::World;
 
 /// Traces photons into a list; one for each unit of work. N = 4 columns go with each of them, or none for the estimates that
@@ -33,6 +34,7 @@ pub struct PhotonTracer<'a, const N: usize> {
     widest: f64,
     first_event: FirstEvent,
     bounces: Option<Bounces>,
+    sharing: f64,
     /// Whether photons straight from a surface that scatters are stored, too.
     stores_scattered: bool,
     pending: Vec<Branch<N>>,
@@ -56,9 +58,11 @@ struct Branch<const N: usize> {
     share: f64,
     /// Number of the edge that it flies along, counted from 1.
     edge: u32,
-    /// Delta events since it was last scattered, or since the light.
+    /// Events at mirrors, glasses and narrow lobes, S, since it was last scattered, or since the light.
     chain: u32,
-    /// How often it was scattered.
+    /// Those at the end of them that were delta events.
+    deltas: u32,
+    /// How often it was scattered by a wide lobe, D.
     bounces: u32,
 }
 
@@ -72,6 +76,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             widest: WIDEST * world.scene.bounds.bounding_sphere().1,
             first_event: FirstEvent::Delta,
             bounces: None,
+            sharing: f64::INFINITY,
             stores_scattered: false,
             pending: Vec::new(),
             stored: Kinds::default(),
@@ -81,15 +86,15 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
 
     /// For photons of this kind.
     pub fn of(self, population: &Population) -> Self {
-        let &Population { first_event, bounces, stores_scattered, .. } = population;
-        PhotonTracer { first_event, bounces, stores_scattered, ..self }
+        let &Population { first_event, bounces, sharing, stores_scattered, .. } = population;
+        PhotonTracer { first_event, bounces, sharing, stores_scattered, ..self }
     }
 
     /// Follows one emitted photon to the end of all its branches.
     pub fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
         let (columns, flux) = (emission.jacobian.first(), emission.flux);
-        self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, bounces: 0 });
+        self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0 });
         while let Some(branch) = self.pending.pop() {
             self.fly(branch, stream);
         }
@@ -123,16 +128,17 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
         let bsdf = self.world.bsdf_unfiltered(&si);
         if bsdf.has_scatter()
-            && let Some(kind) = self.kind_of(&branch)
+            && let Some(kind) = self.kind_of(&branch, bsdf.is_glossy())
         {
             self.store(&si, &branch, &columns, kind);
         }
         let may = |event| branch.edge > 1 || self.first_event == event;
-        let scatters = bsdf.has_delta() && may(FirstEvent::Delta);
+        let [scatters, glances] =
+            [bsdf.has_delta(), bsdf.is_glossy()].map(|has_lobe| has_lobe && may(FirstEvent::Delta));
         let bounces = self
             .bounces
-            .filter(|bounces| bsdf.has_scatter() && may(FirstEvent::Scatter) && branch.bounces < bounces.max);
-        if !scatters && bounces.is_none() {
+            .filter(|bounces| bsdf.is_diffuse() && may(FirstEvent::Scatter) && branch.bounces < bounces.max);
+        if !scatters && !glances && bounces.is_none() {
             let ends = if branch.edge == 1 { &mut self.counts.direct } else { &mut self.counts.absorbed };
             *ends += 1;
             return;
@@ -144,14 +150,22 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         if scatters {
             self.scatter(&si, &bsdf, &branch, &columns, stream);
         }
+        if glances {
+            self.glance(&si, &bsdf, &branch, &columns, stream);
+        }
         if let Some(bounces) = &bounces {
             self.bounce(bounces, &si, &bsdf, &branch, &columns, stream);
         }
     }
 
-    /// Where a photon that has come this way is stored; `None`: it is none of the photons' light.
-    fn kind_of(&self, branch: &Branch<N>) -> Option<Kind> {
-        match (branch.chain, branch.bounces, self.first_event) {
+    /// Where a photon that has come this way is stored; `None`: it is none of the photons' light. The eye looks on past a
+    /// glossy surface, so that only what comes over delta events is the photons' there.
+    fn kind_of(&self, branch: &Branch<N>, on_glossy: bool) -> Option<Kind> {
+        let chain = if on_glossy { branch.deltas } else { branch.chain };
+        if on_glossy && chain == 0 {
+            return None;
+        }
+        match (chain, branch.bounces, self.first_event) {
             (0, 0, _) => None,
             (0, _, _) => self.stores_scattered.then_some(|stored| &mut stored.scattered),
             (_, _, FirstEvent::Scatter) => Some(|stored| &mut stored.bounced),
@@ -211,11 +225,51 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
                 share: share / q,
                 edge: branch.edge + 1,
                 chain: branch.chain + 1,
+                deltas: branch.deltas + 1,
                 bounces: branch.bounces,
             });
             followed += 1;
         }
         self.counts.split += u64::from(followed > 1);
+    }
+
+    /// Goes on over a facet of a glossy surface, drawn at random.
+    fn glance(
+        &mut self,
+        si: &Interaction,
+        bsdf: &Bsdf,
+        branch: &Branch<N>,
+        columns: &Differential<N>,
+        stream: &mut Stream,
+    ) {
+        let (uc, u, mode) = (stream.uniform(), stream.uniform2(), TransportMode::Importance);
+        let next = bsdf.sample_scatter(si.wo, uc, u, mode);
+        let Some((next, facet)) = next.and_then(|next| Some((next, bsdf.facet(si.wo, next.wi)?))) else {
+            self.counts.absorbed += 1;
+            return;
+        };
+        let weight = next.weight * shading_normal_factor(si.wo, next.wi, si.ns, si.ng);
+        let share = branch.share * weight.max_component();
+        let Some(q) = survive(share, self.limits.roulette_below, stream) else {
+            self.counts.roulette += 1;
+            return;
+        };
+        let (_, columns) = over_facet(si, branch.w, columns, facet);
+        let (columns, narrow) = narrowed(&columns, MAX_SPREAD);
+        self.counts.narrowed_columns += u64::from(narrow);
+        let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, next.wi, mode).get());
+        let columns = blurred(&columns, si.ng, next.wi, cell);
+        self.pending.push(Branch {
+            origin: si.ray_origin(next.wi),
+            w: next.wi,
+            columns: columns.scaled(q.sqrt().recip()),
+            flux: branch.flux * (weight / q),
+            share: share / q,
+            edge: branch.edge + 1,
+            chain: branch.chain + 1,
+            deltas: 0,
+            bounces: branch.bounces,
+        });
     }
 
     /// Goes on through the lobes that are not deltas. What is lost in the mean is lost at roulette, so that flux stays what
@@ -248,6 +302,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             share: branch.share * weight / q,
             edge: branch.edge + 1,
             chain: 0,
+            deltas: 0,
             bounces: branch.bounces + 1,
         });
         self.counts.bounced += 1;
@@ -261,9 +316,21 @@ fn redirected<const N: usize>(
     columns: &Differential<N>,
     delta: &DeltaBranch,
 ) -> (Dir3, Differential<N>) {
-    match delta.eta {
-        None => reflect(columns, w, si.ns, &si.shape),
-        Some(eta) => match refract(columns, w, si.ns, &si.shape, eta) {
+    over_facet(si, w, columns, (si.ns, delta.eta))
+}
+
+/// The same at a facet with its own normal, which turns as the surface does.
+fn over_facet<const N: usize>(
+    si: &Interaction,
+    w: Dir3,
+    columns: &Differential<N>,
+    (normal, eta): (Normal3, Option<f64>),
+) -> (Dir3, Differential<N>) {
+    // Its shape operator belongs to the outward side.
+    let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
+    match eta {
+        None => reflect(columns, w, normal, &si.shape),
+        Some(eta) => match refract(columns, w, normal, &si.shape, eta) {
             Refraction::Transmitted(w, columns) | Refraction::TotalReflection(w, columns) => (w, columns),
         },
     }

@@ -40,7 +40,7 @@ pub fn plan(world: &World) -> Kinds<Population> {
 pub(super) fn caustics(world: &World) -> Population {
     let (Some(aim), n) = (world.aim, world.scene.settings.photons) else { return Population::NONE };
     let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
-    let kind = Population { aim, stores_scattered, ..Population::NONE };
+    let kind = Population { aim, sharing: sharing(world, n as f64), stores_scattered, ..Population::NONE };
     let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
     Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
 }
@@ -51,8 +51,13 @@ fn bounced(world: &World) -> Population {
     let stores_scattered = partition::photons_bring_scattered(settings);
     let n = (settings.photons as f64 * if stores_scattered { 1.0 } else { BOUNCED_SHARE }).ceil();
     let Some(bounces) = bounces(world, n, 1.0) else { return Population::NONE };
-    let bounces = Some(bounces);
-    let kind = Population { first_event: FirstEvent::Scatter, bounces, stores_scattered, ..Population::NONE };
+    let kind = Population {
+        first_event: FirstEvent::Scatter,
+        bounces: Some(bounces),
+        sharing: sharing(world, n),
+        stores_scattered,
+        ..Population::NONE
+    };
     let share = |light, n| {
         let source = world.lights.get(light);
         if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
@@ -94,6 +99,11 @@ fn plans(world: &World, n: u64, kind: &Population, share: impl Fn(LightId, u64) 
     };
     let lights = world.lights.iter().zip(found).zip(select::allot(n, &worth));
     lights.filter(|&(_, n)| n > 0).map(plan).collect()
+}
+
+/// How many of `n` photons share the directions out that were drawn for each at random.
+fn sharing(world: &World, n: f64) -> f64 {
+    n / bandwidth::random_overlap(world.scene.settings.emission)
 }
 
 /// How `share` of `n` photons goes on from surfaces that scatter; `None` if none does. Where photons only bring what goes

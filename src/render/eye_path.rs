@@ -56,10 +56,14 @@ struct Walk {
     w: Dir3,
     differential: Differential<2>,
     beta: Spectrum,
-    /// Scattering (non-delta) events so far.
+    /// Events of class D so far.
     bounces: u32,
-    /// Delta events since the last scattering event, or since the eye.
+    /// Delta events since the last event that was none, or since the eye.
     chain: u32,
+    /// Whether the last event that was no delta one was at a glossy surface.
+    from_glossy: bool,
+    /// Whether there was a delta event behind one that was none.
+    sent_back: bool,
     /// Where the last scattering event was and the density of its direction.
     scattered: Option<(Point3, Pdf<SolidAngle>)>,
     /// Whether all other light of the edge under way is the photons'.
@@ -78,9 +82,17 @@ impl Walk {
             beta: Spectrum::ONE,
             bounces: 0,
             chain: 0,
+            from_glossy: false,
+            sent_back: false,
             scattered: None,
             looks_for_lights_only: false,
         }
+    }
+
+    /// How often light that is found now was scattered before it came into the eye's sight; the eye looks on past mirrors,
+    /// glasses and glossy surfaces.
+    fn order(&self) -> u32 {
+        self.bounces + u32::from(self.sent_back)
     }
 }
 
@@ -109,6 +121,10 @@ impl EyePathTracer<'_> {
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
             self.add_emission(walk, &si, &mut sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
+            // What a glossy surface sends on to one that scatters is focused.
+            if bsdf.is_glossy() && walk.bounces > 0 && self.finds.leaves_focused() {
+                break;
+            }
             if bsdf.has_scatter() && walk.bounces <= self.max_bounces {
                 if walk.looks_for_lights_only {
                     break;
@@ -143,8 +159,11 @@ impl EyePathTracer<'_> {
                 if walk.bounces > self.max_bounces || self.finds == EyeFinds::Emitters {
                     return false;
                 }
-                walk.looks_for_lights_only = self.finds.leaves_scattered(walk.bounces);
-                walk.bounces += 1;
+                walk.from_glossy = bsdf.is_glossy();
+                if !walk.from_glossy {
+                    walk.looks_for_lights_only = self.finds.leaves_scattered(walk.bounces);
+                    walk.bounces += 1;
+                }
                 walk.chain = 0;
                 walk.scattered = Some((si.p, pdf));
                 walk.differential = self.gathered_over(next.wi, pdf);
@@ -154,6 +173,7 @@ impl EyePathTracer<'_> {
                     return false;
                 }
                 walk.chain += 1;
+                walk.sent_back |= walk.scattered.is_some();
                 walk.differential = redirected(&walk.differential, walk.w, si, &next);
             }
         }
@@ -201,7 +221,11 @@ impl EyePathTracer<'_> {
                 let weight = power_heuristic(pdf.get(), next_event(from).get());
                 let light = walk.beta * radiance * weight;
                 // The edge just flown belongs to the bounce before it.
-                if walk.bounces == 1 { sample.direct += light } else { sample.indirect += light }
+                match walk.order() {
+                    1.. if walk.from_glossy => sample.caustic += light,
+                    0 | 1 => sample.direct += light,
+                    _ => sample.indirect += light,
+                }
             }
         }
     }
@@ -230,14 +254,19 @@ impl EyePathTracer<'_> {
             }
         };
         let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
-        if walk.bounces == 0 { sample.direct += light } else { sample.indirect += light }
+        match walk.order() {
+            0 => sample.direct += light,
+            _ if bsdf.is_glossy() => sample.caustic += light,
+            _ => sample.indirect += light,
+        }
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
         let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
         let asks = if walk.bounces == 0 { Asks::All(walk.turn) } else { Asks::Drawn(stream.uniform()) };
+        let scattered = bsdf.is_diffuse() && self.finds.leaves_scattered(walk.bounces);
         let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
-        Query { point, beta: walk.beta, first, scattered: self.finds.leaves_scattered(walk.bounces) }
+        Query { point, beta: walk.beta, first, scattered }
     }
 
     /// The columns of an edge that gathers light of photons: a pixel's samples share the directions out between them, so

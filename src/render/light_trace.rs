@@ -111,8 +111,11 @@ struct Walk {
     /// W, times what the path's events left of it.
     flux: Spectrum,
     scatter_events: u32,
-    /// Whether all events so far were delta ones, and how many.
-    leading_delta_events: Option<u32>,
+    /// Whether all events so far were of class S, and how many.
+    leading_events: Option<u32>,
+    /// The part that it belongs to where the eye looks past glossy surfaces at the last vertex of class D, or at the light;
+    /// none once there was a delta event behind.
+    past_glossy: Option<Layer>,
     /// The part of the picture that the path's light belongs to, decided at its first scattering vertex.
     layer: Option<Layer>,
 }
@@ -124,7 +127,8 @@ impl LightTracer<'_> {
             ray: Ray::new(emission.ray_origin(), emission.direction),
             flux: emission.flux.0,
             scatter_events: 0,
-            leading_delta_events: Some(0),
+            leading_events: Some(0),
+            past_glossy: Some(Layer::Direct),
             layer: None,
         };
         for edge in 1..settings.max_depth {
@@ -140,7 +144,7 @@ impl LightTracer<'_> {
             if !advance(&mut walk, &si, &bsdf, edge, stream) {
                 return;
             }
-            let is_delta = walk.leading_delta_events.is_some();
+            let is_delta = walk.leading_events.is_some();
             if edge == 1 && is_delta != (self.first_event == FirstEvent::Delta) {
                 return;
             }
@@ -159,7 +163,7 @@ impl LightTracer<'_> {
         let f = bsdf.f(si.wo, seen.w, TransportMode::Importance) * cosine(si, seen.w);
         let value = walk.flux * f * seen.importance;
         if !value.is_black() && self.world.visible(si, seen.w, seen.origin.distance(si.p)) {
-            self.splats.add_splat(seen.raster.x, seen.raster.y, layer_at(walk), value);
+            self.splats.add_splat(seen.raster.x, seen.raster.y, layer_at(walk, bsdf), value);
         }
     }
 }
@@ -169,9 +173,10 @@ fn cosine(si: &Interaction, wi: Dir3) -> f64 {
     si.ns.dot(wi).abs() * shading_normal_factor(si.wo, wi, si.ns, si.ng)
 }
 
-/// Direct: L D E; caustic: L S⁺ D …; indirect: L D … as in the eye path's parts.
-fn layer_at(walk: &Walk) -> Layer {
-    walk.layer.unwrap_or(match walk.leading_delta_events {
+/// Direct: L D E; caustic: L S⁺ D …; indirect: L D … as in the eye path's parts, which look on past glossy surfaces.
+fn layer_at(walk: &Walk, bsdf: &Bsdf) -> Layer {
+    let past_glossy = walk.past_glossy.filter(|_| bsdf.is_glossy());
+    past_glossy.or(walk.layer).unwrap_or(match walk.leading_events {
         Some(0) => Layer::Direct,
         Some(_) => Layer::Caustic,
         None => Layer::Indirect,
@@ -187,15 +192,18 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
     match next.event {
         Event::Scatter { .. } => {
             walk.flux *= shading_normal_factor(si.wo, next.wi, si.ns, si.ng);
-            if walk.layer.is_none() {
-                let caustic = walk.leading_delta_events.is_some_and(|n| n > 0);
-                walk.layer = Some(if caustic { Layer::Caustic } else { Layer::Indirect });
+            if bsdf.is_glossy() {
+                walk.leading_events = walk.leading_events.map(|n| n + 1);
+            } else {
+                let here = layer_at(walk, bsdf);
+                walk.layer.get_or_insert(if here == Layer::Caustic { here } else { Layer::Indirect });
+                (walk.past_glossy, walk.leading_events) = (Some(here), None);
+                walk.scatter_events += 1;
             }
-            walk.leading_delta_events = None;
-            walk.scatter_events += 1;
         }
         Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
-            walk.leading_delta_events = walk.leading_delta_events.map(|n| n + 1);
+            walk.leading_events = walk.leading_events.map(|n| n + 1);
+            walk.past_glossy = None;
         }
     }
     if walk.flux.is_black() {

@@ -47,6 +47,7 @@ pub struct Bsdf {
     frame: Frame,
     ng: Normal3,
     model: Model,
+    glossy: bool,
 }
 
 /// The frame turned to the side that `wo` lies on.
@@ -101,7 +102,29 @@ impl Bsdf {
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
         };
-        Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model }
+        let glossy = is_glossy(material) && matches!(model, Model::RoughDielectric(_) | Model::RoughConductor(_));
+        Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model, glossy }
+    }
+
+    /// Whether the lobe that is not a delta is so narrow that it counts as one where paths are classed: S, not D.
+    pub fn is_glossy(&self) -> bool {
+        self.glossy
+    }
+    /// Whether there is a lobe of class D.
+    pub fn is_diffuse(&self) -> bool {
+        self.has_scatter() && !self.glossy
+    }
+    /// The facet of a rough surface that sends light from `wo` to `wi`: its normal, and the ratio of indices
+    /// n_wo/n_wi if it refracts. `None` for other models, or where the two normals disagree.
+    pub fn facet(&self, wo: Dir3, wi: Dir3) -> Option<(Normal3, Option<f64>)> {
+        let (side, local) = self.pair(wo, wi)?;
+        let eta = match &self.model {
+            Model::RoughDielectric(m) if local.z < 0.0 => Some(m.interface.eta(&side.arrival)),
+            Model::RoughDielectric(_) | Model::RoughConductor(_) => None,
+            _ => return None,
+        };
+        // [Walter07 (16)]; for a mirroring facet the ratio is 1.
+        Some((Normal3::new(wo * eta.unwrap_or(1.0) + wi.to_vec())?, eta))
     }
 
     /// Whether there is a delta lobe: a mirror, a smooth interface or coat.
@@ -317,9 +340,19 @@ impl Bsdf {
     }
 }
 
-/// Whether a BSDF of this material can have a delta lobe anywhere: also that of a rough material where its width falls
-/// below [`Ggx::SMOOTH_BELOW`].
-pub fn can_have_delta(material: &Material, images: &[ImageTexture]) -> bool {
+/// Whether a material's rough lobe is narrow: class S. A property of the material, so that the eye and photons agree about
+/// every point of it; a width that varies is never narrow.
+fn is_glossy(material: &Material) -> bool {
+    match material {
+        Material::RoughDielectric { alpha: Textured::Constant(alpha), .. }
+        | Material::RoughConductor { alpha: Textured::Constant(alpha), .. } => *alpha < Ggx::GLOSSY_BELOW,
+        _ => false,
+    }
+}
+
+/// Whether a BSDF of this material can focus light anywhere: it has a delta lobe, also that of a rough material where its
+/// width falls below [`Ggx::SMOOTH_BELOW`], or a glossy one.
+pub fn can_focus(material: &Material, images: &[ImageTexture]) -> bool {
     let smooth_somewhere = |alpha: &Textured<f64>| match alpha {
         Textured::Constant(alpha) => *alpha < Ggx::SMOOTH_BELOW,
         Textured::Image { texture, factor } => {
@@ -334,7 +367,9 @@ pub fn can_have_delta(material: &Material, images: &[ImageTexture]) -> bool {
         | Material::Dielectric { .. }
         | Material::Conductor { .. }
         | Material::Plastic { .. } => true,
-        Material::RoughDielectric { ior, exterior, alpha } => ior == exterior || smooth_somewhere(alpha),
-        Material::RoughConductor { alpha, .. } => smooth_somewhere(alpha),
+        Material::RoughDielectric { ior, exterior, alpha } => {
+            ior == exterior || is_glossy(material) || smooth_somewhere(alpha)
+        }
+        Material::RoughConductor { alpha, .. } => is_glossy(material) || smooth_somewhere(alpha),
     }
 }

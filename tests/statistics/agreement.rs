@@ -342,3 +342,33 @@ fn photons_and_eye_paths_share_a_room_s_light_out() {
         }
     }
 }
+
+/// A glossy lobe focuses like a mirror: photons bring what it sends on to surfaces that scatter, over one such lobe and over
+/// several, through rough glass as off rough metal.
+#[test]
+fn all_three_agree_on_the_caustic_of_rough_glass() {
+    for roughness in ["0.15", "0.45"] {
+        let rough = format!("type = \"rough_dielectric\"\nroughness = {roughness}");
+        let ball = BALL.replace("type = \"dielectric\"", &rough);
+        assert!(assert_agree(&ball, &PHOTON_MAP, &PATHS, "caustic") > 0.01);
+        assert!(assert_agree(&ball, &PHOTON_MAP, &LIGHT, "caustic") > 0.01);
+    }
+}
+
+/// The same light belongs to the same layer with every method, seen past a glossy ball too.
+#[test]
+fn all_three_share_a_room_with_a_glossy_ball_out() {
+    let room = ROOM.replace("HALF", "0.5").replace("roughness = 0.55", "roughness = 0.4");
+    let both = [&PHOTON_MAP, &PATHS].map(|settings| pictures(&room, settings));
+    for layer in ["direct", "caustic", "indirect"] {
+        assert!(assert_blocks_agree(&both, layer, SIDE) > 0.0);
+    }
+    // Light paths cannot be connected to what the eye sees over mirrors and through glass.
+    let opaque = ["dielectric\"\nior = 1.5", "mirror\"\nreflectance = 0.9"];
+    let rough = "rough_conductor\"\npreset = \"silver\"\nroughness = 0.4";
+    let room = opaque.iter().fold(room, |room, kind| room.replace(kind, rough));
+    let both = [&PATHS, &LIGHT].map(|settings| pictures(&room, settings));
+    for layer in ["direct", "caustic", "indirect"] {
+        assert!(assert_blocks_agree(&both, layer, SIDE) > 0.0);
+    }
+}
