@@ -26,7 +26,7 @@ pub struct World {
     pub backend: Box<dyn Backend>,
     pub lights: Lights,
     pub textures: Textures,
-    /// Where caustics can come from: around all objects with a delta or a glossy lobe.
+    /// Where caustics can come from: around all objects that can focus light.
     pub aim: Option<Aim>,
     /// Of all objects, m²; as good as what scales their transforms tell.
     pub surface_area: f64,
@@ -97,10 +97,9 @@ impl World {
     }
 }
 
-/// The sphere around everything with a delta or a glossy lobe, or `None` if nothing in the scene makes caustics.
+/// The sphere around everything that can focus light, or `None` if nothing in the scene makes caustics.
 fn caster_aim(scene: &Scene) -> Option<Aim> {
-    let casters =
-        || scene.objects.iter().filter(|object| can_focus(&scene.materials[object.material.index()], &scene.textures));
+    let casters = || scene.objects.iter().filter(|object| can_focus(&scene.materials[object.material.index()]));
     let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     if bounds.is_empty() {
         return None;

@@ -82,7 +82,7 @@ struct SettingsArgs {
     /// Edges of a path at most
     #[arg(long, env = "PDEMBREE_MAX_DEPTH", value_name = "N", value_parser = small_count)]
     max_depth: Option<u32>,
-    /// Diffuse and glossy bounces of an eye path at most
+    /// Diffuse bounces of a path at most
     #[arg(long, env = "PDEMBREE_MAX_BOUNCES", value_name = "N")]
     max_bounces: Option<u32>,
     /// EXR layers beside the beauty, separated by commas

@@ -1,10 +1,11 @@
 //! One photon's way: fly, hit, transport the columns, store, scatter, roulette.
 //!
-//! A photon is stored at every vertex with a non-delta lobe that it reached over at least one delta event, or, where photons
-//! bring all light between surfaces that scatter, straight from one of these; and goes on through delta lobes. Where an interface both reflects and refracts, both branches are followed while they are strong,
+//! Events are of class S, focusing: delta lobes and those of microfacets; or D, scattering. A photon is stored at every
+//! surface of class D that it reached over at least one S, or, where photons bring all light between surfaces that scatter,
+//! straight from one of these; and goes on through S. Where an interface both reflects and refracts, both branches are followed while they are strong,
 //! so that a lattice of photons stays a lattice behind the glass.
 //!
-//! Two kinds of photons share the light out by the first event: a delta one for caustics, L S⁺ D, and what they send on,
+//! Two kinds of photons share the light out by the first event: S for caustics, L S⁺ D, and what they send on,
 //! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
 
 use super::bounce::Bounces;

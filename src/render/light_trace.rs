@@ -57,7 +57,7 @@ impl<'a> Kind<'a> {
         let all = world.scene.settings.photons;
         let to_all = (&Aim::Everywhere, FirstEvent::Scatter);
         match &world.aim {
-            // Nothing has a delta lobe.
+            // Nothing focuses.
             None => vec![Kind::new(world, pass, Exposure::LightToAll, to_all, all)],
             Some(aim) => {
                 let caustics = all.div_ceil(2);

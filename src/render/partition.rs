@@ -12,7 +12,8 @@
 //! | | the same, b = 1 | eye | eye | | photons |
 //! | | the same, b > 1 | eye | eye | | |
 //!
-//! S is a delta lobe. An eye path does not go on where its light is the photons'. Light that no surface has scattered,
+//! S is a delta lobe or one of microfacets, D any other. Past a rough surface that it sees before any D the eye looks on,
+//! as past a mirror: only what comes to it over delta lobes is the photons' there. An eye path does not go on where its light is the photons'. Light that no surface has scattered,
 //! L S* E, is the eye's. `straight` is found in two ways, shadow rays and bounces that run into a light, weighted by the
 //! power heuristic; nothing else is found twice.
 

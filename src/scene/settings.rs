@@ -183,7 +183,7 @@ pub struct RenderSettings {
     pub radius: Radius,
     /// Edges of a path at most, counted from the light or the camera.
     pub max_depth: u32,
-    /// Diffuse and glossy bounces between a light and the surface that the eye sees, 0: direct light and caustics only.
+    /// Diffuse bounces between a light and the surface that the eye sees, 0: direct light and caustics only.
     pub max_bounces: u32,
     /// Layers of the EXR beside the beauty, in the order they were asked for, without repetition.
     pub layers: Vec<Layer>,

@@ -27,7 +27,7 @@ use super::parametrisation::Lookup;
 use super::texture::Textures;
 use crate::math::{Dir3, Frame, Normal3, Vec3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum};
-use crate::scene::{ImageTexture, Material, Textured};
+use crate::scene::Material;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Model {
@@ -47,7 +47,6 @@ pub struct Bsdf {
     frame: Frame,
     ng: Normal3,
     model: Model,
-    glossy: bool,
 }
 
 /// The frame turned to the side that `wo` lies on.
@@ -102,17 +101,19 @@ impl Bsdf {
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
         };
-        let glossy = is_glossy(material) && matches!(model, Model::RoughDielectric(_) | Model::RoughConductor(_));
-        Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model, glossy }
+        Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model }
     }
 
-    /// Whether the lobe that is not a delta is so narrow that it counts as one where paths are classed: S, not D.
+    /// Whether the lobe that is not a delta is that of microfacets. It focuses as a delta lobe does, more or less blurred,
+    /// and belongs to the same class of events, S, whatever its width: no edge in width, nothing for the eye and photons to
+    /// disagree about where a texture sets it, and measured with a small lamp behind rough glass photons are ahead of
+    /// eye paths up to the widest lobe.
     pub fn is_glossy(&self) -> bool {
-        self.glossy
+        matches!(self.model, Model::RoughDielectric(_) | Model::RoughConductor(_))
     }
     /// Whether there is a lobe of class D.
     pub fn is_diffuse(&self) -> bool {
-        self.has_scatter() && !self.glossy
+        self.has_scatter() && !self.is_glossy()
     }
     /// The facet of a rough surface that sends light from `wo` to `wi`: its normal, and the ratio of indices
     /// n_wo/n_wi if it refracts. `None` for other models, or where the two normals disagree.
@@ -340,36 +341,15 @@ impl Bsdf {
     }
 }
 
-/// Whether a material's rough lobe is narrow: class S. A property of the material, so that the eye and photons agree about
-/// every point of it; a width that varies is never narrow.
-fn is_glossy(material: &Material) -> bool {
-    match material {
-        Material::RoughDielectric { alpha: Textured::Constant(alpha), .. }
-        | Material::RoughConductor { alpha: Textured::Constant(alpha), .. } => *alpha < Ggx::GLOSSY_BELOW,
-        _ => false,
-    }
-}
-
-/// Whether a BSDF of this material can focus light anywhere: it has a delta lobe, also that of a rough material where its
-/// width falls below [`Ggx::SMOOTH_BELOW`], or a glossy one.
-pub fn can_focus(material: &Material, images: &[ImageTexture]) -> bool {
-    let smooth_somewhere = |alpha: &Textured<f64>| match alpha {
-        Textured::Constant(alpha) => *alpha < Ggx::SMOOTH_BELOW,
-        Textured::Image { texture, factor } => {
-            let mean = |t: &[f32; 3]| t.iter().copied().map(f64::from).sum::<f64>() / 3.0;
-            // A filtered width is no less than the least of the texels.
-            images[texture.index()].texels.iter().any(|t| factor * mean(t) < Ggx::SMOOTH_BELOW)
-        }
-    };
+/// Whether a BSDF of this material can focus light: it has a delta lobe or one of microfacets.
+pub fn can_focus(material: &Material) -> bool {
     match material {
         Material::Lambert { .. } => false,
         Material::Mirror { .. }
         | Material::Dielectric { .. }
         | Material::Conductor { .. }
-        | Material::Plastic { .. } => true,
-        Material::RoughDielectric { ior, exterior, alpha } => {
-            ior == exterior || is_glossy(material) || smooth_somewhere(alpha)
-        }
-        Material::RoughConductor { alpha, .. } => is_glossy(material) || smooth_somewhere(alpha),
+        | Material::Plastic { .. }
+        | Material::RoughDielectric { .. }
+        | Material::RoughConductor { .. } => true,
     }
 }

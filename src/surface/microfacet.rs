@@ -27,9 +27,6 @@ impl Ggx {
     /// Narrower distributions are taken for smooth surfaces: at this width a highlight is some 10⁻⁴ rad across, far
     /// below what a pixel resolves.
     pub const SMOOTH_BELOW: f64 = 1e-4;
-    /// Below this width a lobe focuses as a delta does, more or less blurred, and eye paths hardly find small lights through
-    /// it; above, they do and photons would not lie any denser.
-    pub const GLOSSY_BELOW: f64 = 0.25;
 
     /// `alpha` must be at least [`Ggx::SMOOTH_BELOW`].
     pub fn new(alpha: f64) -> Ggx {

@@ -6,6 +6,7 @@ mod support;
 mod agreement;
 mod convergence;
 mod guiding;
+mod interreflection;
 mod light_emission;
 mod light_samples;
 mod lights;

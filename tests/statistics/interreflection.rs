@@ -1,0 +1,240 @@
+//! Light between surfaces that scatter, by photons: its energy in a furnace, a closed form, and what happens between a
+//! mirror and a diffuser.
+
+use std::f64::consts::TAU;
+
+use pdembree::film::Image;
+use pdembree::import;
+use pdembree::render::{self, progress::Silent};
+use pdembree::scene::settings::BounceFootprint;
+use pdembree::world::World;
+
+use crate::support::statistics::{Moments, assert_plausible, t_test};
+
+/// Rendered with each of `seeds` and settings laid over it.
+fn pictures(scene: &str, settings: &[(&str, &str)], seeds: u64) -> Vec<Image> {
+    let picture = |seed: u64| {
+        let over = |&(key, value): &(&str, &str)| import::Override::new(key, value);
+        let mut overrides: Vec<_> = settings.iter().map(over).collect();
+        overrides.push(import::Override::new("render.seed", seed.to_string()));
+        let loaded = import::load_text("interreflection.toml".as_ref(), scene, &overrides).expect("a sound scene");
+        let world = World::new(loaded.scene).expect("a sound world");
+        render::render(&world, &Silent).expect("a sound camera").film.resolve()
+    };
+    (0..seeds).map(picture).collect()
+}
+
+/// The six walls of a box about the origin, half a side of 1 m; each shines.
+fn furnace() -> String {
+    let walls = [
+        "centre = [0, 0, -1]\na = [1, 0, 0]\nb = [0, 1, 0]",
+        "centre = [0, 0, 1]\na = [1, 0, 0]\nb = [0, -1, 0]",
+        "centre = [0, 1, 0]\na = [1, 0, 0]\nb = [0, 0, 1]",
+        "centre = [0, -1, 0]\na = [1, 0, 0]\nb = [0, 0, -1]",
+        "centre = [-1, 0, 0]\na = [0, 1, 0]\nb = [0, 0, 1]",
+        "centre = [1, 0, 0]\na = [0, -1, 0]\nb = [0, 0, 1]",
+    ];
+    let head = r#"
+format = 1
+[camera]
+type = "perspective"
+position = [-0.3, -0.8, 0.2]
+target = [0.2, 0, -0.25]
+fov_degrees = 90
+resolution = [16, 16]
+[render]
+max_bounces = 40
+max_depth = 64
+spp = 16
+photons = 50000
+[materials.wall]
+type = "lambert"
+albedo = 0.5
+"#;
+    let wall = |w: &str| format!("[[objects]]\nshape = \"rectangle\"\n{w}\nmaterial = \"wall\"\nemission = 1\n");
+    head.to_owned() + &walls.map(wall).concat()
+}
+
+/// In a closed box whose walls shine with L and reflect ρ, everything shines with L/(1 − ρ): within half a per cent, edges
+/// and corners in the picture, for every policy of the footprints, whether the eye sees photons straight or over a bounce.
+/// The mean is known to a sixth of that.
+#[test]
+fn a_furnace_is_as_bright_as_it_must_be_with_every_policy() {
+    let furnace = furnace();
+    for indirect in ["\"global\"", "\"final_gather\""] {
+        for policy in BounceFootprint::NAMES {
+            let policy = format!("{policy:?}");
+            let settings = [("render.indirect", indirect), ("render.bounce_footprint", &policy)];
+            let mean = |picture: &Image| {
+                let [red, _, _] = picture.rgb("").expect("a picture");
+                red.iter().copied().map(f64::from).sum::<f64>() / red.len() as f64
+            };
+            let all: Moments = pictures(&furnace, &settings, 12).iter().map(mean).collect();
+            println!("{indirect}, {policy}: {:.4} ± {:.4}, exactly 2", all.mean, all.standard_error());
+            assert!(all.standard_error() < 0.0015, "{policy}: {all}");
+            assert!((all.mean / 2.0 - 1.0).abs() < 0.005, "{indirect}, {policy}: {all}, not 2");
+        }
+    }
+}
+
+/// A red wall, x and y in ±1 at z = 0, under slanting parallel light of 2 W/m², and a grey one over it at z = 1 that only
+/// sees what the red one sends; the camera looks at its middle.
+const FACING: &str = r#"
+format = 1
+[camera]
+type = "orthographic"
+position = [0, 0, 0.5]
+target = [0, 0, 1]
+up = [0, 1, 0]
+width = 1
+resolution = [8, 8]
+[render]
+max_bounces = 1
+spp = 16
+photons = 100000
+[materials.red]
+type = "lambert"
+albedo = [0.8, 0.2, 0.1]
+[materials.grey]
+type = "lambert"
+albedo = 0.6
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [1, 0, 0]
+b = [0, 1, 0]
+material = "red"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 1]
+a = [2, 0, 0]
+b = [0, -2, 0]
+material = "grey"
+[[lights]]
+type = "directional"
+direction = [6, 0, -1]
+irradiance = 2
+"#;
+
+/// The part of a point's cosine-weighted hemisphere that a rectangle fills, which lies parallel to it at distance 1 with a
+/// corner over the point and sides a and b.
+fn corner_form_factor(a: f64, b: f64) -> f64 {
+    let part = |x: f64, y: f64| {
+        let h = x.hypot(1.0);
+        x / h * (y / h).atan()
+    };
+    (part(a, b) + part(b, a)) / TAU
+}
+
+/// First bounce between facing walls: L(x, y) = ρ ρ' E cos/π times the form factor of the red wall, in every pixel, for eye
+/// paths and for photons.
+#[test]
+fn light_of_a_red_wall_on_a_grey_one_is_the_closed_form_s() {
+    let exact = |x: f64, y: f64, albedo: f64| {
+        let corners = [1.0 - x, 1.0 + x].map(|a| [1.0 - y, 1.0 + y].map(|b| corner_form_factor(a, b)));
+        let form_factor: f64 = corners.as_flattened().iter().sum();
+        0.6 * albedo * 2.0 / 37f64.sqrt() / std::f64::consts::PI * form_factor
+    };
+    // A pixel's mean, Simpson's rule in both directions; the image's rows run down, its columns along −x or x.
+    let mean = |i: usize, j: usize, albedo: f64| {
+        let at = |k: usize, t: f64| (k as f64 + t) / 8.0 - 0.5;
+        let weights = [(0.0, 1.0), (0.5, 4.0), (1.0, 1.0)];
+        let sum: f64 =
+            weights.iter().flat_map(|&(s, u)| weights.map(|(t, v)| u * v * exact(at(i, s), at(j, t), albedo))).sum();
+        sum / 36.0
+    };
+    for (indirect, method) in
+        [("path", "path"), ("path", "photon_map"), ("global", "photon_map"), ("final_gather", "photon_map")]
+    {
+        let [indirect, method] = [indirect, method].map(|name| format!("{name:?}"));
+        let settings = [("render.indirect", indirect.as_str()), ("render.method", method.as_str())];
+        let pictures = pictures(FACING, &settings, 8);
+        for (channel, albedo) in [0.8, 0.2, 0.1].into_iter().enumerate() {
+            for pixel in 0..64 {
+                let value = |picture: &Image| f64::from(picture.rgb("").expect("a picture")[channel][pixel]);
+                let sample: Moments = pictures.iter().map(value).collect();
+                let expected = mean(pixel % 8, pixel / 8, albedo);
+                let what = format!("{method} {indirect}, pixel {pixel}, channel {channel}: {sample}, not {expected}");
+                assert_plausible(t_test(&sample, expected), 64 * 3, what);
+            }
+        }
+    }
+}
+
+/// A ball of rough glass over a floor under a small lamp.
+const ROUGH: &str = r#"
+format = 1
+[camera]
+type = "orthographic"
+position = [4, 2, 0]
+target = [0, 0, 0]
+width = 1.6
+resolution = [16, 16]
+[render]
+max_bounces = 3
+[materials.glass]
+type = "rough_dielectric"
+ior = 1.5
+roughness = 0.5
+[materials.floor]
+type = "lambert"
+albedo = [0.7, 0.5, 0.3]
+[materials.black]
+type = "lambert"
+albedo = 0
+[[objects]]
+shape = "sphere"
+centre = [0, 1.5, 0]
+radius = 0.5
+material = "glass"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [3, 0, 0]
+b = [0, 0, -3]
+material = "floor"
+[[objects]]
+shape = "sphere"
+centre = [0, 5, 0]
+radius = 0.3
+material = "black"
+emission = 100
+"#;
+
+/// From a clear ball to the roughest nothing changes suddenly: the error of 16 samples and 40 000 photons against
+/// light paths stays within a factor of 1.3 from one roughness to the next, and below the eye paths' own at four times the
+/// samples. The clear end is the delta lobe itself.
+#[test]
+fn there_is_no_edge_between_smooth_and_rough_glass() {
+    let rendered = |roughness: &str, settings: &[(&str, &str)], seeds: u64| {
+        let scene = match roughness {
+            "0" => ROUGH.replace("\"rough_dielectric\"", "\"dielectric\"").replace("roughness = 0.5\n", ""),
+            _ => ROUGH.replace("roughness = 0.5", &format!("roughness = {roughness}")),
+        };
+        pictures(&scene, settings, seeds)
+    };
+    let mut before: Option<f64> = None;
+    for roughness in ["0", "0.005", "0.05", "0.15", "0.3", "0.45", "0.55", "0.7", "0.85", "1"] {
+        // Two references: the mean of (x − a)(x − b) is the mean square error without the references' own noise.
+        let references = rendered(roughness, &[("render.method", "\"light\""), ("render.photons", "2000000")], 2);
+        let green =
+            |picture: &Image| picture.rgb("").expect("a picture")[1].iter().map(|&y| f64::from(y)).collect::<Vec<_>>();
+        let [a, b] = [0, 1].map(|i| green(&references[i]));
+        let mean = a.iter().chain(&b).copied().collect::<Moments>().mean;
+        let rmse = |pictures: &[Image]| {
+            let product = |picture| {
+                let errors = green(picture).into_iter().zip(a.iter().zip(&b));
+                errors.map(|(x, (a, b))| (x - a) * (x - b)).collect::<Moments>().mean
+            };
+            pictures.iter().map(product).collect::<Moments>().mean.max(0.0).sqrt() / mean
+        };
+        let photons = rmse(&rendered(roughness, &[("render.photons", "40000"), ("render.spp", "16")], 4));
+        let paths = rmse(&rendered(roughness, &[("render.method", "\"path\""), ("render.spp", "64")], 4));
+        println!("roughness {roughness}: relative RMSE {photons:.4}, eye paths with four times the samples {paths:.4}");
+        if let Some(before) = before {
+            assert!((photons / before).max(before / photons) < 1.3, "{roughness}: {photons} after {before}");
+        }
+        assert!(photons < paths, "{roughness}: {photons} against {paths}");
+        before = Some(photons);
+    }
+}
