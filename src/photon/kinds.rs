@@ -1,6 +1,7 @@
 //! Kinds of photons share the light that reaches a surface otherwise than straight from a light out between them: over a
 //! mirror or a glass caustics, L S⁺ D; what goes on from there, L S⁺ D … S⁺ D; and light that is scattered first,
-//! L D … S⁺ D. Where photons also bring what comes straight from a surface that scatters, L … D D, it is the fourth kind.
+//! L D … S⁺ D. Where photons also bring what comes straight from a surface that scatters, L … D D, there are two more
+//! kinds: sent out as caustics, and scattered first.
 //!
 //! They set out to different places, come in different numbers, are narrow or wide, and belong to different layers of the
 //! picture: each kind has its own map and estimate.
@@ -12,7 +13,9 @@ pub struct Kinds<T> {
     /// Sent out as caustics, and scattered since.
     pub onward: T,
     pub bounced: T,
-    /// Straight from a surface that scatters, whatever they were sent out for.
+    /// Sent out as caustics, and now straight from a surface that scatters.
+    pub onward_scattered: T,
+    /// Scattered first, and straight from a surface that scatters.
     pub scattered: T,
 }
 
@@ -22,13 +25,15 @@ impl<T> Kinds<T> {
             caustic: f(self.caustic),
             onward: f(self.onward),
             bounced: f(self.bounced),
+            onward_scattered: f(self.onward_scattered),
             scattered: f(self.scattered),
         }
     }
     pub fn as_ref(&self) -> Kinds<&T> {
-        Kinds { caustic: &self.caustic, onward: &self.onward, bounced: &self.bounced, scattered: &self.scattered }
+        let Kinds { caustic, onward, bounced, onward_scattered, scattered } = self;
+        Kinds { caustic, onward, bounced, onward_scattered, scattered }
     }
-    pub fn into_array(self) -> [T; 4] {
-        [self.caustic, self.onward, self.bounced, self.scattered]
+    pub fn into_array(self) -> [T; 5] {
+        [self.caustic, self.onward, self.bounced, self.onward_scattered, self.scattered]
     }
 }

@@ -168,7 +168,9 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
         match (chain, branch.bounces, self.first_event) {
             (0, 0, _) => None,
-            (0, _, _) => self.stores_scattered.then_some(|stored| &mut stored.scattered),
+            (0, _, _) if !self.stores_scattered => None,
+            (0, _, FirstEvent::Delta) => Some(|stored| &mut stored.onward_scattered),
+            (0, _, FirstEvent::Scatter) => Some(|stored| &mut stored.scattered),
             (_, _, FirstEvent::Scatter) => Some(|stored| &mut stored.bounced),
             (_, 0, FirstEvent::Delta) => Some(|stored| &mut stored.caustic),
             (_, _, FirstEvent::Delta) => Some(|stored| &mut stored.onward),

@@ -33,7 +33,8 @@ const BOUNCED_SHARE: f64 = 0.25;
 
 /// What every pass sends.
 pub fn plan(world: &World) -> Kinds<Population> {
-    Kinds { caustic: caustics(world), bounced: bounced(world), onward: Population::NONE, scattered: Population::NONE }
+    let others = Kinds::<()>::default().map(|()| Population::NONE);
+    Kinds { caustic: caustics(world), bounced: bounced(world), ..others }
 }
 
 /// Photons to the specular objects.

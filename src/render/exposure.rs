@@ -128,7 +128,7 @@ impl Exposure<'_> {
         let offset = filter_offset(world.scene.camera.filter, start.raster);
         let ray = self.camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
         let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);
-        let turn = Turn { index: s, of: settings.spp };
+        let turn = Turn { index: s, of: settings.spp, start: samples.start() };
         let mut sample = self.tracer.trace(&ray, &start, turn, stream, queries);
         // The path knows distances; the layer is depth along the view axis.
         sample.depth = sample.depth.map(|t| self.camera.depth(ray.ray.at(t)));
@@ -139,7 +139,7 @@ impl Exposure<'_> {
 /// Adds the photons' light at all queries of a tile.
 fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
     let points: Vec<GatherPoint> = queries.iter().map(|q| q.point).collect();
-    let Kinds { caustic, onward, bounced, scattered } = photons;
+    let Kinds { caustic, onward, bounced, onward_scattered, scattered } = photons;
     let [caustic, onward, bounced] = [caustic, onward, bounced].map(|estimate| estimate.gather(&points));
     for (i, (query, &owner)) in queries.iter().zip(owners).enumerate() {
         let sample = &mut samples[owner].2;
@@ -153,7 +153,9 @@ fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], s
     let asking: Vec<(&Query, usize)> =
         queries.iter().zip(owners.iter().copied()).filter(|(q, _)| q.scattered).collect();
     let points: Vec<GatherPoint> = asking.iter().map(|(query, _)| query.point).collect();
-    for ((query, owner), gathered) in asking.into_iter().zip(scattered.gather(&points)) {
-        samples[owner].2.indirect += query.beta * gathered.radiance.0;
+    let [onward, scattered] = [onward_scattered, scattered].map(|estimate| estimate.gather(&points));
+    for (i, (query, owner)) in asking.into_iter().enumerate() {
+        samples[owner].2.caustic += query.beta * onward[i].radiance.0;
+        samples[owner].2.indirect += query.beta * scattered[i].radiance.0;
     }
 }

@@ -48,8 +48,11 @@ pub fn harvest(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<Kinds<PhotonHarvest>, Stopped> {
-    let mut harvest =
-        plans.as_ref().map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
+    let empty = || PhotonHarvest::new(world.lights.len());
+    let mut harvest = Kinds {
+        caustic: empty().whole(is_one_sheet(world, &plans.caustic)),
+        ..Kinds::<()>::default().map(|()| empty().drawn(true))
+    };
     let units = units(world, plans, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);
@@ -66,6 +69,7 @@ pub fn harvest(
         harvest.caustic.add(light, stored.caustic, &of_delta);
         harvest.onward.add(light, stored.onward, &none);
         harvest.bounced.add(light, stored.bounced, &of_scatter);
+        harvest.onward_scattered.add(light, stored.onward_scattered, &none);
         harvest.scattered.add(light, stored.scattered, &none);
         between();
     })?;

@@ -3,8 +3,7 @@
 use pdembree::math::{Normal3, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::{Purpose, Stream};
-use pdembree::scene::texture::Wrap;
-use pdembree::scene::{ImageTexture, Material, TextureId, Textured};
+use pdembree::scene::Material;
 use pdembree::surface::bsdf::can_focus;
 use pdembree::surface::{Event, TransportMode};
 

@@ -240,18 +240,22 @@ emission = 5
 
 struct Settings {
     method: &'static str,
+    indirect: &'static str,
     spp: u32,
     photons: u64,
 }
 
-const PHOTON_MAP: Settings = Settings { method: "photon_map", spp: 16, photons: 40_000 };
-const PATH: Settings = Settings { method: "path", spp: 256, photons: 1 };
-const PATHS: Settings = Settings { method: "path", spp: 1024, photons: 1 };
-const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 200_000 };
+const PHOTON_MAP: Settings = Settings { method: "photon_map", indirect: "path", spp: 16, photons: 40_000 };
+const GLOBAL: Settings = Settings { method: "photon_map", indirect: "global", spp: 16, photons: 40_000 };
+const FINAL_GATHER: Settings = Settings { method: "photon_map", indirect: "final_gather", spp: 16, photons: 40_000 };
+const PATH: Settings = Settings { method: "path", indirect: "path", spp: 256, photons: 1 };
+const PATHS: Settings = Settings { method: "path", indirect: "path", spp: 1024, photons: 1 };
+const LIGHT: Settings = Settings { method: "light", indirect: "path", spp: 1, photons: 200_000 };
 
 fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
     let overrides = [
         ("render.method", format!("\"{}\"", settings.method)),
+        ("render.indirect", format!("\"{}\"", settings.indirect)),
         ("render.spp", settings.spp.to_string()),
         ("render.photons", settings.photons.to_string()),
         ("render.seed", seed.to_string()),
@@ -287,6 +291,12 @@ fn blocks(pictures: &[Image], layer: &str, side: usize) -> Vec<Moments> {
 /// Whether two methods agree on a layer. Returns how much light the layer holds.
 fn assert_agree(scene: &str, a: &Settings, b: &Settings, layer: &str) -> f64 {
     assert_blocks_agree(&[pictures(scene, a), pictures(scene, b)], layer, BLOCK)
+}
+
+/// The mean of a layer with each of two methods.
+fn means(pictures: &[Vec<Image>; 2], layer: &str) -> String {
+    let [a, b] = pictures.each_ref().map(|pictures| blocks(pictures, layer, SIDE)[1]);
+    format!("{a} against {b}")
 }
 
 /// The same of their pictures.
@@ -336,9 +346,13 @@ fn photons_and_eye_paths_agree_on_light_that_is_sent_back() {
 fn photons_and_eye_paths_share_a_room_s_light_out() {
     for half in ["0.5", "0.1"] {
         let room = ROOM.replace("HALF", half);
-        let pictures = [pictures(&room, &PHOTON_MAP), pictures(&room, &PATHS)];
-        for layer in ["direct", "caustic", "indirect"] {
-            assert!(assert_blocks_agree(&pictures, layer, SIDE) > 0.0);
+        let reference = pictures(&room, &PATHS);
+        for settings in [&PHOTON_MAP, &GLOBAL, &FINAL_GATHER] {
+            let pictures = [pictures(&room, settings), reference.clone()];
+            for layer in ["direct", "caustic", "indirect"] {
+                println!("lamp {half}, {}: {layer} {}", settings.indirect, means(&pictures, layer));
+                assert!(assert_blocks_agree(&pictures, layer, SIDE) > 0.0);
+            }
         }
     }
 }
