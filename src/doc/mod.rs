@@ -9,6 +9,9 @@ pub mod scene_format {}
 #[doc = include_str!("passes.md")]
 pub mod passes {}
 
+#[doc = include_str!("interreflection.md")]
+pub mod interreflection {}
+
 #[doc = include_str!("performance.md")]
 pub mod performance {}
 

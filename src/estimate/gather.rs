@@ -57,32 +57,23 @@ pub enum Asks {
 /// Where many footprints lie over a pixel, samples take turns to ask the wide ones, a group of strata each: together they
 /// ask every photon once, and each of them alone is unbiased. Narrow footprints, which differ from sample to sample,
 /// answer all.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Turn {
     /// Number of the sample, below `of`.
     pub index: u32,
     /// Samples in the pixel; the same for all points that are asked about together.
     pub of: u32,
-    /// Where the pixel's turns begin, in [0, 1): random from pixel to pixel.
-    pub start: f64,
 }
 
 impl Turn {
     /// A point that asks for itself.
-    pub const ALONE: Turn = Turn { index: 0, of: 1, start: 0.0 };
+    pub const ALONE: Turn = Turn { index: 0, of: 1 };
 
     /// Which of so many groups the point asks, and for how many it answers.
     fn group(self, groups: u32) -> (u32, f64) {
         let group = self.index % groups;
         let askers = (self.of - group).div_ceil(groups);
         (group, f64::from(self.of) / f64::from(askers))
-    }
-
-    /// The same of any number of groups, from a random one on: each sample alone is unbiased.
-    fn drawn_group(self, groups: u32) -> (u32, f64) {
-        let (turn, first) = (self.index % groups, (self.start * f64::from(groups)) as u32);
-        let askers = (self.of - turn).div_ceil(groups);
-        ((turn + first) % groups, f64::from(self.of.max(groups)) / f64::from(askers))
     }
 }
 
@@ -122,39 +113,9 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
     let asking_all: Vec<(usize, Turn)> = (0..).zip(points).filter_map(|(i, p)| Some((i, turn(p)?))).collect();
     if let Some(&(_, Turn { of, .. })) = asking_all.first() {
         debug_assert!(asking_all.iter().all(|(_, turn)| turn.of == of), "points of different pictures");
-        match map.drawn {
-            true => splat_drawn(map, kernel, points, &asking_all, &mut gathered),
-            false => splat_all(map, kernel, points, &asking_all, &mut gathered),
-        }
+        splat_all(map, kernel, points, &asking_all, &mut gathered);
     }
     gathered
-}
-
-/// The sums over the photons of one stratum for each point.
-fn splat_drawn(
-    map: &PhotonMap,
-    kernel: KernelShape,
-    points: &[GatherPoint],
-    asking: &[(usize, Turn)],
-    gathered: &mut [Gathered],
-) {
-    let (processor, groups) = (pulp::Arch::new(), map.strata().len() as u32);
-    let mut weighed = 0;
-    for (s, stratum) in (0..).zip(map.strata()) {
-        let of_stratum = asking.iter().filter(|(_, turn)| turn.drawn_group(groups).0 == s).map(|&(i, _)| i);
-        let mut receivers = Receivers::new(points, of_stratum.collect());
-        let photons = map.photons_of(stratum);
-        for j in stratum.tree.over(&receivers.tree) {
-            let splat = Splat::new(&photons[j], kernel);
-            processor.dispatch(Splatting { splat: &splat, part: Part::Whole, receivers: &mut receivers });
-        }
-        weighed += receivers.weighed;
-        receivers.add_to(gathered, |point| match point.asks {
-            Asks::All(turn) => turn.drawn_group(groups).1,
-            Asks::Drawn(_) => 0.0,
-        });
-    }
-    map.weighed.fetch_add(weighed, Ordering::Relaxed);
 }
 
 /// The sums over all photons: every footprint that may reach one of the points is made ready once and splatted into the
@@ -339,42 +300,13 @@ mod tests {
             let eye = [Vec3::X * eye, Vec3::Y * eye];
             let alone = gather(&map, KernelShape::Triweight, &[place(eye, Asks::All(Turn::ALONE))])[0].density;
             for of in [2, 3, 16, 33, 40] {
-                let points: Vec<GatherPoint> =
-                    (0..of).map(|index| place(eye, Asks::All(Turn { index, of, start: 0.0 }))).collect();
+                let points: Vec<GatherPoint> = (0..of).map(|index| place(eye, Asks::All(Turn { index, of }))).collect();
                 let said: Vec<f64> = gather(&map, KernelShape::Triweight, &points).iter().map(|g| g.density).collect();
                 let mean = said.iter().sum::<f64>() / f64::from(of);
                 assert!((mean / alone - 1.0).abs() < 1e-5, "{mean} against {alone}, {of} samples");
                 let same = said.iter().all(|density| (density / alone - 1.0).abs() < 1e-5);
                 assert_eq!(same, !wide, "{said:?}");
             }
-        }
-    }
-
-    /// Samples that ask one stratum each say together, over all the places where turns may begin, what all photons say; from as
-    /// many samples on as there are strata, those of a single pixel do.
-    #[test]
-    fn drawn_strata_answer_for_all_in_the_mean() {
-        let mut harvest = PhotonHarvest::new(1).drawn(true);
-        harvest.add(LightId(0), random_photons(4000), &PhotonCounts::default());
-        let map = harvest.into_map();
-        let strata = map.strata().len() as u32;
-        assert!(strata > 4, "{strata}");
-        let place = |asks| GatherPoint { asks, ..point(Point3::new(0.5, 0.4, 0.0), Normal3::Z, [Vec3::ZERO; 2]) };
-        let photons = super::tests::map(random_photons(4000));
-        let all = gather(&photons, KernelShape::Triweight, &[place(Asks::All(Turn::ALONE))])[0].density;
-        for of in [1, 3, strata, 2 * strata + 1] {
-            let pixel = |start: f64| {
-                let points: Vec<GatherPoint> =
-                    (0..of).map(|index| place(Asks::All(Turn { index, of, start }))).collect();
-                let said = gather(&map, KernelShape::Triweight, &points);
-                said.iter().map(|g| g.density).sum::<f64>() / f64::from(of)
-            };
-            let starts: Vec<f64> = (0..strata).map(|k| (f64::from(k) + 0.5) / f64::from(strata)).collect();
-            let pixels: Vec<f64> = starts.into_iter().map(pixel).collect();
-            let mean = pixels.iter().sum::<f64>() / pixels.len() as f64;
-            assert!((mean / all - 1.0).abs() < 1e-5, "{mean} against {all}, {of} samples");
-            let exact = pixels.iter().all(|density| (density / all - 1.0).abs() < 1e-5);
-            assert_eq!(exact, of >= strata, "{pixels:?}");
         }
     }
 

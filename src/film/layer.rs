@@ -7,7 +7,7 @@
 //! | --- | --- | --- |
 //! | beauty, always there | `R G B A` | all light; A is the share of eye samples that hit something |
 //! | `direct` | `direct.R G B` | emitters and background seen by the eye, and their light over one bounce (LE, LDE), also behind specular chains from the eye |
-//! | `caustic` | `caustic.R G B` | light whose first event was specular and that then reached a diffuse or glossy vertex (L S⁺ D …) |
+//! | `caustic` | `caustic.R G B` | light whose first events were specular or glossy and that then reached a surface that scatters (L S⁺ D …) |
 //! | `indirect` | `indirect.R G B` | everything else; direct + caustic + indirect = beauty |
 //! | `N` | `N.X Y Z` | shading normal at the first vertex that is not specular, so that a denoiser sees the floor behind the glass; 0 where there is none |
 //! | `Z` | `Z` | depth of the first hit, mean of the samples that hit; 0 where A = 0 |

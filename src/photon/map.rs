@@ -36,8 +36,6 @@ pub struct PhotonMap {
     pub by_light: Vec<PhotonCounts>,
     strata: Vec<Stratum>,
     slices: usize,
-    /// Whether a point asks one stratum, drawn, for all.
-    pub drawn: bool,
     /// Pairs of a photon and a point that the estimate has weighed so far: what the work was.
     pub weighed: AtomicU64,
 }
@@ -58,25 +56,18 @@ pub struct PhotonHarvest {
     counts: PhotonCounts,
     by_light: Vec<PhotonCounts>,
     whole: bool,
-    drawn: bool,
 }
 
 impl PhotonHarvest {
     /// None yet, of so many lights.
     pub fn new(lights: usize) -> PhotonHarvest {
         let (photons, counts) = (Vec::new(), PhotonCounts::default());
-        PhotonHarvest { photons, counts, by_light: vec![PhotonCounts::default(); lights], whole: false, drawn: false }
+        PhotonHarvest { photons, counts, by_light: vec![PhotonCounts::default(); lights], whole: false }
     }
 
     /// Of photons that are not to be dealt out to strata: one sheet of an even pattern, which strata would tear.
     pub fn whole(self, whole: bool) -> PhotonHarvest {
         PhotonHarvest { whole, ..self }
-    }
-
-    /// Of photons without any even pattern, of which each point asks some: where many footprints lie over it, what the others
-    /// would say is hardly news.
-    pub fn drawn(self, drawn: bool) -> PhotonHarvest {
-        PhotonHarvest { drawn, ..self }
     }
 
     /// A unit's photons.
@@ -88,7 +79,7 @@ impl PhotonHarvest {
 
     /// The map of all; the same whatever order they came in.
     pub fn into_map(self) -> PhotonMap {
-        let PhotonHarvest { mut photons, counts, by_light, whole, drawn } = self;
+        let PhotonHarvest { mut photons, counts, by_light, whole } = self;
         let ranks = ranks(&photons);
         let coverage = coverage(&photons, &ranks);
         let m = if whole { 1 } else { strata_for(coverage) };
@@ -104,7 +95,7 @@ impl PhotonHarvest {
         };
         let strata = ends.windows(2).map(|w| stratum(w[0]..w[1])).collect();
         let slices = slices_for(coverage / m as f64);
-        PhotonMap { photons, counts, by_light, strata, slices, drawn, weighed: AtomicU64::new(0) }
+        PhotonMap { photons, counts, by_light, strata, slices, weighed: AtomicU64::new(0) }
     }
 }
 

@@ -128,7 +128,7 @@ impl Exposure<'_> {
         let offset = filter_offset(world.scene.camera.filter, start.raster);
         let ray = self.camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
         let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);
-        let turn = Turn { index: s, of: settings.spp, start: samples.start() };
+        let turn = Turn { index: s, of: settings.spp };
         let mut sample = self.tracer.trace(&ray, &start, turn, stream, queries);
         // The path knows distances; the layer is depth along the view axis.
         sample.depth = sample.depth.map(|t| self.camera.depth(ray.ray.at(t)));

@@ -48,11 +48,8 @@ pub fn harvest(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<Kinds<PhotonHarvest>, Stopped> {
-    let empty = || PhotonHarvest::new(world.lights.len());
-    let mut harvest = Kinds {
-        caustic: empty().whole(is_one_sheet(world, &plans.caustic)),
-        ..Kinds::<()>::default().map(|()| empty().drawn(true))
-    };
+    let mut harvest =
+        plans.as_ref().map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
     let units = units(world, plans, pass);
     let spread = spread(world, pass);
     watch.phase("photons", units.len() as u64);

@@ -14,7 +14,6 @@ const PAIRS: usize = 5;
 pub struct PixelSamples {
     samples: u64,
     shifts: [[f64; 2]; PAIRS],
-    start: f64,
     /// Each pair's order, by what a sample's number is multiplied with.
     units: [u64; PAIRS],
 }
@@ -40,13 +39,7 @@ impl PixelSamples {
         let mut stream = PixelSamples::stream_of(seed, pass, pixel, 0);
         let samples = samples.into();
         let units = std::array::from_fn(|k| qmc::unit(samples, k as u64));
-        let shifts = std::array::from_fn(|_| stream.uniform2());
-        PixelSamples { samples, shifts, start: stream.uniform(), units }
-    }
-
-    /// A number in [0, 1) of the pixel itself: where its samples begin to take turns.
-    pub fn start(&self) -> f64 {
-        self.start
+        PixelSamples { samples, shifts: std::array::from_fn(|_| stream.uniform2()), units }
     }
 
     /// The random numbers of sample `i`'s own path, for all that comes after.

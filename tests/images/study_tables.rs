@@ -130,3 +130,8 @@ fn ring_floor() {
 fn ball_lens() {
     tables_hold("refraction/ball_study");
 }
+
+#[test]
+fn the_room_s_table_holds() {
+    tables_hold("room/study");
+}

@@ -113,7 +113,7 @@ impl Small {
                     let raster = centre + filter_offset(self.world.scene.camera.filter, start.raster);
                     let ray = self.camera.ray(raster, ConcentricDisk.sample(start.lens));
                     let stream = PixelSamples::stream(settings.seed, 0, number, index);
-                    let turn = Turn { index, of: settings.spp, start: pixel.start() };
+                    let turn = Turn { index, of: settings.spp };
                     samples.push((x, y, tracer.trace(&ray, &start, turn, stream, &mut queries)));
                 }
             }

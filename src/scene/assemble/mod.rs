@@ -20,7 +20,7 @@ use super::ids::{LightId, ObjectId};
 use super::light::LightSource;
 use super::material::Material;
 use super::object::{Object, ObjectGeometry};
-use super::settings::{MAX_PHOTONS_PER_PASS, Method, RenderSettings};
+use super::settings::{Indirect, MAX_PHOTONS_PER_PASS, Method, RenderSettings};
 use super::{CameraSettings, Scene};
 use crate::math::Bounds3;
 use crate::radiometry::Spectrum;
@@ -194,7 +194,9 @@ fn warn_without_caustics(materials: &Materials, description: &SceneDescription, 
         let material = materials.lookup(&object.material.name);
         material.is_none_or(|m| !matches!(m, Material::Lambert { .. }))
     });
-    if !specular && !description.objects.is_empty() && description.settings.method == Method::PhotonMap {
+    let settings = &description.settings;
+    let only_caustics = settings.method == Method::PhotonMap && settings.indirect == Indirect::Path;
+    if !specular && !description.objects.is_empty() && only_caustics {
         let warning = Problem::new("no object reflects or refracts specularly: there can be no caustic");
         report.warning(warning.help("give an object a dielectric, mirror or conductor").at(&description.source));
     }
