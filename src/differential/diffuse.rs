@@ -46,9 +46,8 @@ pub fn blurred<const N: usize>(columns: &Differential<N>, ng: Normal3, w: Dir3, 
         }
     }
     let side = FRAC_2_SQRT_PI * cell.min(TAU).sqrt();
-    for i in 2..4 {
-        sum[i][i] += side * side;
-    }
+    sum[2][2] += side * side;
+    sum[3][3] += side * side;
     let column = |[x, y, d, e]: [f64; 4]| Column { dx: on.t * x + on.b * y, dw: around.t * d + around.b * e };
     Differential::new(factor(sum).map(column)).first()
 }
