@@ -127,15 +127,17 @@ fn rendered(order: &Order, world: World) -> Result<(Image, Record), StudyError> 
             })
         }
     }?;
+    let [caustic, bounced] = [&rendered.report.photons, &rendered.report.bounced_photons];
     let record = Record {
         seconds: start.elapsed().as_secs_f64(),
         passes: rendered.film.passes(),
         photons: match settings.method {
             Method::Path => None,
-            Method::PhotonMap => Some(rendered.report.photons.photons_emitted),
+            Method::PhotonMap => Some(caustic.photons_emitted + bounced.photons_emitted),
             Method::LightTrace => Some(settings.photons * u64::from(rendered.film.passes())),
         },
-        photons_stored: (settings.method == Method::PhotonMap).then_some(rendered.report.photons.photons_stored),
+        photons_stored: (settings.method == Method::PhotonMap)
+            .then_some(caustic.photons_stored + bounced.photons_stored),
         backend: world.backend.describe(),
     };
     Ok((layer(&rendered.film.resolve(), order.layer), record))
