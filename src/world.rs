@@ -28,8 +28,6 @@ pub struct World {
     pub textures: Textures,
     /// Where caustics can come from: around all objects that can focus light.
     pub aim: Option<Aim>,
-    /// Of all objects, m²; as good as what scales their transforms tell.
-    pub surface_area: f64,
     /// Hits so far that could not be found again in `f64`.
     inexact: AtomicU64,
 }
@@ -40,8 +38,7 @@ impl World {
         let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
         let textures = Textures::new(&scene.textures);
         let aim = caster_aim(&scene);
-        let surface_area = scene.objects.iter().map(|object| object.area(&scene.meshes)).sum();
-        Ok(World { scene, backend, lights, textures, aim, surface_area, inexact: AtomicU64::new(0) })
+        Ok(World { scene, backend, lights, textures, aim, inexact: AtomicU64::new(0) })
     }
 
     /// The first surface along a ray of unit direction.

@@ -29,7 +29,7 @@ pub struct Bounces {
     pub photons: f64,
     /// How many times its own share of the directions a photon's cell is: they are drawn, not even.
     pub overlap: f64,
-    /// Of all surfaces, m²: what [`BounceFootprint::Coverage`] shares out.
+    /// Of all surfaces, m²: what [`BounceFootprint::Coverage`] shares out; others do not look at it.
     pub area: f64,
     /// Which part of the photons that could bounce does, at random.
     pub share: f64,

@@ -2,8 +2,8 @@
 //!
 //! Events are of class S, focusing: delta lobes and those of microfacets; or D, scattering. A photon is stored at every
 //! surface of class D that it reached over at least one S, or, where photons bring all light between surfaces that scatter,
-//! straight from one of these; and goes on through S. Where an interface both reflects and refracts, both branches are followed while they are strong,
-//! so that a lattice of photons stays a lattice behind the glass.
+//! straight from one of these; and goes on through S. Where an interface both reflects and refracts, both branches are
+//! followed while they are strong, so that a lattice of photons stays a lattice behind the glass.
 //!
 //! Two kinds of photons share the light out by the first event: S for caustics, L S⁺ D, and what they send on,
 //! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
@@ -19,7 +19,7 @@ use crate::differential::health::MAX_SPREAD;
 use crate::differential::{Differential, Refraction, blurred, narrowed, reflect, refract, transfer};
 use crate::light::Emission;
 use crate::math::{Dir3, Normal3, Point3, Ray};
-use crate::radiometry::Flux;
+use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, DeltaBranch, Interaction, TransportMode};
@@ -65,6 +65,32 @@ struct Branch<const N: usize> {
     deltas: u32,
     /// How often it was scattered by a wide lobe, D.
     bounces: u32,
+}
+
+impl<const N: usize> Branch<N> {
+    /// What goes on from `si` into `w` with `weight` of the flux and that `share` of the photon's, having survived roulette
+    /// with the probability `q`; the caller counts the event.
+    fn next(
+        &self,
+        si: &Interaction,
+        w: Dir3,
+        columns: &Differential<N>,
+        weight: Spectrum,
+        share: f64,
+        q: f64,
+    ) -> Branch<N> {
+        Branch {
+            origin: si.ray_origin(w),
+            w,
+            columns: columns.scaled(q.sqrt().recip()),
+            flux: self.flux * (weight / q),
+            share: share / q,
+            edge: self.edge + 1,
+            chain: 0,
+            deltas: 0,
+            bounces: self.bounces,
+        }
+    }
 }
 
 impl<'a, const N: usize> PhotonTracer<'a, N> {
@@ -220,17 +246,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             let (w, columns) = redirected(si, branch.w, columns, &delta);
             let (columns, narrow) = narrowed(&columns, MAX_SPREAD);
             self.counts.narrowed_columns += u64::from(narrow);
-            self.pending.push(Branch {
-                origin: si.ray_origin(w),
-                w,
-                columns: columns.scaled(q.sqrt().recip()),
-                flux: branch.flux * (delta.weight / q),
-                share: share / q,
-                edge: branch.edge + 1,
-                chain: branch.chain + 1,
-                deltas: branch.deltas + 1,
-                bounces: branch.bounces,
-            });
+            let next = branch.next(si, w, &columns, delta.weight, share, q);
+            self.pending.push(Branch { chain: branch.chain + 1, deltas: branch.deltas + 1, ..next });
             followed += 1;
         }
         self.counts.split += u64::from(followed > 1);
@@ -257,22 +274,15 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.roulette += 1;
             return;
         };
-        let (_, columns) = over_facet(si, branch.w, columns, facet);
+        let (normal, eta) = facet;
+        let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
+        let (_, columns) = over_facet(si, branch.w, columns, (normal, eta));
         let (columns, narrow) = narrowed(&columns, MAX_SPREAD);
         self.counts.narrowed_columns += u64::from(narrow);
         let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, next.wi, mode).get());
         let columns = blurred(&columns, si.ng, next.wi, cell);
-        self.pending.push(Branch {
-            origin: si.ray_origin(next.wi),
-            w: next.wi,
-            columns: columns.scaled(q.sqrt().recip()),
-            flux: branch.flux * (weight / q),
-            share: share / q,
-            edge: branch.edge + 1,
-            chain: branch.chain + 1,
-            deltas: 0,
-            bounces: branch.bounces,
-        });
+        let next = branch.next(si, next.wi, &columns, weight, share, q);
+        self.pending.push(Branch { chain: branch.chain + 1, ..next });
     }
 
     /// Goes on through the lobes that are not deltas. What is lost in the mean is lost at roulette, so that flux stays what
@@ -297,17 +307,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             return;
         };
         let columns = bounces.columns(columns, si, &next, branch.bounces + 1);
-        self.pending.push(Branch {
-            origin: si.ray_origin(next.wi),
-            w: next.wi,
-            columns: columns.scaled(q.sqrt().recip()),
-            flux: branch.flux * (next.weight / q),
-            share: branch.share * weight / q,
-            edge: branch.edge + 1,
-            chain: 0,
-            deltas: 0,
-            bounces: branch.bounces + 1,
-        });
+        let next = branch.next(si, next.wi, &columns, next.weight, branch.share * weight, q);
+        self.pending.push(Branch { bounces: branch.bounces + 1, ..next });
         self.counts.bounced += 1;
     }
 }
@@ -322,15 +323,13 @@ fn redirected<const N: usize>(
     over_facet(si, w, columns, (si.ns, delta.eta))
 }
 
-/// The same at a facet with its own normal, which turns as the surface does.
+/// The same at a facet with its own normal, on the outward side, which turns as the surface does.
 fn over_facet<const N: usize>(
     si: &Interaction,
     w: Dir3,
     columns: &Differential<N>,
     (normal, eta): (Normal3, Option<f64>),
 ) -> (Dir3, Differential<N>) {
-    // Its shape operator belongs to the outward side.
-    let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
     match eta {
         None => reflect(columns, w, normal, &si.shape),
         Some(eta) => match refract(columns, w, normal, &si.shape, eta) {

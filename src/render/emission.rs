@@ -15,7 +15,7 @@ use crate::photon::{
     Bounces, EmissionPlan, EmissionUnit, FirstEvent, Kinds, PathLimits, PhotonTracer, Population, Share,
 };
 use crate::scene::LightId;
-use crate::scene::settings::{Estimator, FootprintRule, Guiding};
+use crate::scene::settings::{BounceFootprint, Estimator, FootprintRule, Guiding};
 use crate::world::World;
 
 /// Units that say how many of a population's photons are of use, and photons in each.
@@ -115,12 +115,14 @@ fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
         None if partition::photons_bring_scattered(settings) => Aim::Everywhere,
         aim => aim?,
     };
+    let objects = || world.scene.objects.iter().map(|object| object.area(&world.scene.meshes));
     let bounces = Bounces {
         aim,
         footprint: settings.bounce_footprint,
         photons: n,
         overlap: bandwidth::random_overlap(settings.emission),
-        area: world.surface_area,
+        // Adding up millions of triangles is for those who ask.
+        area: if settings.bounce_footprint == BounceFootprint::Coverage { objects().sum() } else { 0.0 },
         share,
         max: settings.max_bounces,
     };

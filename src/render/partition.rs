@@ -13,8 +13,8 @@
 //! | | the same, b > 1 | eye | eye | | |
 //!
 //! S is a delta lobe or one of microfacets, D any other. Past a rough surface that it sees before any D the eye looks on,
-//! as past a mirror: only what comes to it over delta lobes is the photons' there. An eye path does not go on where its light is the photons'. Light that no surface has scattered,
-//! L S* E, is the eye's. `straight` is found in two ways, shadow rays and bounces that run into a light, weighted by the
+//! as past a mirror: only what comes to it over delta lobes is the photons' there. An eye path does not go on where its
+//! light is the photons'. Light that no surface has scattered, L S* E, is the eye's. `straight` is found in two ways, shadow rays and bounces that run into a light, weighted by the
 //! power heuristic; nothing else is found twice.
 
 use crate::scene::RenderSettings;
@@ -25,7 +25,7 @@ use crate::scene::settings::Indirect;
 pub enum EyeFinds {
     /// All of it: the path tracer.
     Everything,
-    /// All but what reaches a scattering vertex over a delta event.
+    /// All but what reaches a scattering vertex over S⁺.
     AllButFocused,
     /// Nothing of that, and from the `from`th bounce on nothing that comes straight from a surface that scatters either.
     NothingScattered { from: u32 },
@@ -43,7 +43,7 @@ impl EyeFinds {
         }
     }
 
-    /// Whether light over delta events is the photons'.
+    /// Whether light over S⁺ is the photons'.
     pub fn leaves_focused(self) -> bool {
         matches!(self, EyeFinds::AllButFocused | EyeFinds::NothingScattered { .. })
     }

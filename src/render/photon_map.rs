@@ -56,16 +56,15 @@ pub fn harvest(
     let trace = |i: usize| trace_unit(world, &units[i], spread);
     run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts }| {
         let light = units[i].emission.light;
-        let mut of_delta = PhotonCounts::default();
-        let mut of_scatter = PhotonCounts::default();
-        match units[i].population.first_event {
-            FirstEvent::Delta => of_delta = counts,
-            FirstEvent::Scatter => of_scatter = counts,
-        }
         let none = PhotonCounts::default();
-        harvest.caustic.add(light, stored.caustic, &of_delta);
+        // What became of all of a unit's photons stands with the kind that they were sent out as.
+        let [caustic, bounced] = match units[i].population.first_event {
+            FirstEvent::Delta => [&counts, &none],
+            FirstEvent::Scatter => [&none, &counts],
+        };
+        harvest.caustic.add(light, stored.caustic, caustic);
         harvest.onward.add(light, stored.onward, &none);
-        harvest.bounced.add(light, stored.bounced, &of_scatter);
+        harvest.bounced.add(light, stored.bounced, bounced);
         harvest.onward_scattered.add(light, stored.onward_scattered, &none);
         harvest.scattered.add(light, stored.scattered, &none);
         between();

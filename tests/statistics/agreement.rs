@@ -19,7 +19,7 @@ const RUNS: u64 = 8;
 
 /// A glass ball over a matte floor under a ball-shaped lamp. The orthographic camera looks under the ball: what it sees
 /// through glass, light paths could not connect to.
-const BALL: &str = r#"
+pub const BALL: &str = r#"
 format = 1
 [camera]
 type = "orthographic"

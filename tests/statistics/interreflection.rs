@@ -9,6 +9,7 @@ use pdembree::render::{self, progress::Silent};
 use pdembree::scene::settings::BounceFootprint;
 use pdembree::world::World;
 
+use super::agreement::BALL;
 use crate::support::statistics::{Moments, assert_plausible, t_test};
 
 /// Rendered with each of `seeds` and settings laid over it.
@@ -161,62 +162,32 @@ fn light_of_a_red_wall_on_a_grey_one_is_the_closed_form_s() {
     }
 }
 
-/// A ball of rough glass over a floor under a small lamp.
-const ROUGH: &str = r#"
-format = 1
-[camera]
-type = "orthographic"
-position = [4, 2, 0]
-target = [0, 0, 0]
-width = 1.6
-resolution = [16, 16]
-[render]
-max_bounces = 3
-[materials.glass]
-type = "rough_dielectric"
-ior = 1.5
-roughness = 0.5
-[materials.floor]
-type = "lambert"
-albedo = [0.7, 0.5, 0.3]
-[materials.black]
-type = "lambert"
-albedo = 0
-[[objects]]
-shape = "sphere"
-centre = [0, 1.5, 0]
-radius = 0.5
-material = "glass"
-[[objects]]
-shape = "rectangle"
-centre = [0, 0, 0]
-a = [3, 0, 0]
-b = [0, 0, -3]
-material = "floor"
-[[objects]]
-shape = "sphere"
-centre = [0, 5, 0]
-radius = 0.3
-material = "black"
-emission = 100
-"#;
+/// The ball over a floor, of glass as rough as that, under a small lamp.
+fn ball(roughness: &str) -> String {
+    let glass = match roughness {
+        "0" => "\"dielectric\"".to_owned(),
+        _ => format!("\"rough_dielectric\"\nroughness = {roughness}"),
+    };
+    [
+        ("\"dielectric\"", glass.as_str()),
+        ("max_bounces = 1", "max_bounces = 3"),
+        ("radius = 1\n", "radius = 0.3\n"),
+        ("emission = 10", "emission = 100"),
+    ]
+    .iter()
+    .fold(BALL.to_owned(), |scene, (from, to)| scene.replace(from, to))
+}
 
 /// From a clear ball to the roughest nothing changes suddenly: the error of 16 samples and 40 000 photons against
 /// light paths stays within a factor of 1.3 from one roughness to the next, and below the eye paths' own at four times the
 /// samples. The clear end is the delta lobe itself.
 #[test]
 fn there_is_no_edge_between_smooth_and_rough_glass() {
-    let rendered = |roughness: &str, settings: &[(&str, &str)], seeds: u64| {
-        let scene = match roughness {
-            "0" => ROUGH.replace("\"rough_dielectric\"", "\"dielectric\"").replace("roughness = 0.5\n", ""),
-            _ => ROUGH.replace("roughness = 0.5", &format!("roughness = {roughness}")),
-        };
-        pictures(&scene, settings, seeds)
-    };
     let mut before: Option<f64> = None;
     for roughness in ["0", "0.005", "0.05", "0.15", "0.3", "0.45", "0.55", "0.7", "0.85", "1"] {
         // Two references: the mean of (x − a)(x − b) is the mean square error without the references' own noise.
-        let references = rendered(roughness, &[("render.method", "\"light\""), ("render.photons", "2000000")], 2);
+        let references =
+            pictures(&ball(roughness), &[("render.method", "\"light\""), ("render.photons", "2000000")], 2);
         let green =
             |picture: &Image| picture.rgb("").expect("a picture")[1].iter().map(|&y| f64::from(y)).collect::<Vec<_>>();
         let [a, b] = [0, 1].map(|i| green(&references[i]));
@@ -228,8 +199,8 @@ fn there_is_no_edge_between_smooth_and_rough_glass() {
             };
             pictures.iter().map(product).collect::<Moments>().mean.max(0.0).sqrt() / mean
         };
-        let photons = rmse(&rendered(roughness, &[("render.photons", "40000"), ("render.spp", "16")], 4));
-        let paths = rmse(&rendered(roughness, &[("render.method", "\"path\""), ("render.spp", "64")], 4));
+        let photons = rmse(&pictures(&ball(roughness), &[("render.photons", "40000"), ("render.spp", "16")], 4));
+        let paths = rmse(&pictures(&ball(roughness), &[("render.method", "\"path\""), ("render.spp", "64")], 4));
         println!("roughness {roughness}: relative RMSE {photons:.4}, eye paths with four times the samples {paths:.4}");
         if let Some(before) = before {
             assert!((photons / before).max(before / photons) < 1.3, "{roughness}: {photons} after {before}");
