@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use pdembree::import::{self, Loaded, Override};
 use pdembree::scene::settings::{
-    BackendKind, BounceFootprint, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape, Layer,
-    Method,
+    BackendKind, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape,
+    Layer, Method,
 };
 
 use super::console::Verbosity;
@@ -61,6 +61,9 @@ struct SettingsArgs {
     /// Ellipse that a photon's differentials span
     #[arg(long, env = "PDEMBREE_FOOTPRINT", value_parser = PossibleValuesParser::new(FootprintRule::NAMES))]
     footprint: Option<String>,
+    /// What finds caustics: photons, or both photons and eye paths where lamps are wide
+    #[arg(long, env = "PDEMBREE_CAUSTICS", value_parser = PossibleValuesParser::new(Caustics::NAMES))]
+    caustics: Option<String>,
     /// What finds the light between surfaces that scatter: eye paths, photons, or photons behind one bounce of the eye
     #[arg(long, env = "PDEMBREE_INDIRECT", value_parser = PossibleValuesParser::new(Indirect::NAMES))]
     indirect: Option<String>,
@@ -144,6 +147,7 @@ impl SettingsArgs {
             ("estimator", word(&self.estimator)),
             ("guiding", word(&self.guiding)),
             ("footprint", word(&self.footprint)),
+            ("caustics", word(&self.caustics)),
             ("indirect", word(&self.indirect)),
             ("bounce_footprint", word(&self.bounce_footprint)),
             ("kernel", word(&self.kernel)),

@@ -9,12 +9,18 @@
 //! | `direct` | `direct.R G B` | emitters and background seen by the eye, and their light over one bounce (LE, LDE), also behind specular chains from the eye |
 //! | `caustic` | `caustic.R G B` | light whose first events were specular or glossy and that then reached a surface that scatters (L S⁺ D …) |
 //! | `indirect` | `indirect.R G B` | everything else; direct + caustic + indirect = beauty |
+//! | `emission` | `emission.R G B` | light that no surface has scattered, L S* E; this layer and the next four are another way to share the beauty out, by how light has reached the first surface that scatters |
+//! | `straight` | `straight.R G B` | straight from a light, L D |
+//! | `focused` | `focused.R G B` | over mirrors, glass and glossy surfaces only, L S⁺ D |
+//! | `sent_back` | `sent_back.R G B` | over these, but scattered before, L … D S⁺ D |
+//! | `scattered` | `scattered.R G B` | straight from another surface that scatters, L … D D |
 //! | `N` | `N.X Y Z` | shading normal at the first vertex that is not specular, so that a denoiser sees the floor behind the glass; 0 where there is none |
 //! | `Z` | `Z` | depth of the first hit, mean of the samples that hit; 0 where A = 0 |
 //! | `albedo` | `albedo.R G B` | reflectance at the vertex where `N` is taken |
 //! | `photons` | `photons.density` | Σ K/A over the photons whose footprints cover that vertex: the photon density that the estimate saw |
 //! | `variance` | `variance.Y` | variance of the mean luminance, from how much the passes differ; 0 with one pass |
 
+use super::light::{Arrival, LightKind, Part};
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;
 use crate::scene::settings::Layer;
@@ -26,6 +32,11 @@ impl Layer {
             Layer::Caustic => &["caustic.R", "caustic.G", "caustic.B"],
             Layer::Direct => &["direct.R", "direct.G", "direct.B"],
             Layer::Indirect => &["indirect.R", "indirect.G", "indirect.B"],
+            Layer::Emission => &["emission.R", "emission.G", "emission.B"],
+            Layer::Straight => &["straight.R", "straight.G", "straight.B"],
+            Layer::Focused => &["focused.R", "focused.G", "focused.B"],
+            Layer::SentBack => &["sent_back.R", "sent_back.G", "sent_back.B"],
+            Layer::Scattered => &["scattered.R", "scattered.G", "scattered.B"],
             Layer::Normal => &["N.X", "N.Y", "N.Z"],
             Layer::Depth => &["Z"],
             Layer::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
@@ -38,15 +49,17 @@ impl Layer {
 /// The beauty's channels; their place is the start of every pixel's record.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// What one path from the eye brought back. The light is given in three disjoint parts whose sum is the beauty.
+/// What one path from the eye brought back. [`EyeSample::add`] shares its light out to parts and arrivals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EyeSample {
     /// W/(m²·sr)
-    pub direct: Spectrum,
+    pub(super) direct: Spectrum,
     /// W/(m²·sr)
-    pub caustic: Spectrum,
+    pub(super) caustic: Spectrum,
     /// W/(m²·sr)
-    pub indirect: Spectrum,
+    pub(super) indirect: Spectrum,
+    /// The same light by its [`Arrival`], in the enum's order.
+    pub(super) arrived: [Spectrum; Arrival::COUNT],
     /// Metres along the view axis to the first hit; `None`: the ray left the scene.
     pub depth: Option<f64>,
     /// World-space shading normal at the first vertex that is not specular; zero if there is none.
@@ -58,9 +71,24 @@ pub struct EyeSample {
 }
 
 impl EyeSample {
+    /// Adds light, W/(m²·sr).
+    pub fn add(&mut self, kind: LightKind, light: Spectrum) {
+        let part = match kind.part {
+            Part::Direct => &mut self.direct,
+            Part::Caustic => &mut self.caustic,
+            Part::Indirect => &mut self.indirect,
+        };
+        *part += light;
+        self.arrived[kind.arrival as usize] += light;
+    }
+
     /// All light of the sample, W/(m²·sr).
     pub fn radiance(&self) -> Spectrum {
         self.direct + self.caustic + self.indirect
+    }
+
+    fn arrived(&self, arrival: Arrival) -> [f64; 3] {
+        self.arrived[arrival as usize].to_array()
     }
 
     /// Values of `layer` in the order of its channels; the unused ones are 0.
@@ -69,6 +97,11 @@ impl EyeSample {
             Layer::Caustic => self.caustic.to_array(),
             Layer::Direct => self.direct.to_array(),
             Layer::Indirect => self.indirect.to_array(),
+            Layer::Emission => self.arrived(Arrival::Emission),
+            Layer::Straight => self.arrived(Arrival::Straight),
+            Layer::Focused => self.arrived(Arrival::Focused),
+            Layer::SentBack => self.arrived(Arrival::SentBack),
+            Layer::Scattered => self.arrived(Arrival::Scattered),
             Layer::Normal => self.normal.to_array(),
             Layer::Depth => [self.depth.unwrap_or(0.0), 0.0, 0.0],
             Layer::Albedo => self.albedo.to_array(),

@@ -4,17 +4,17 @@
 //! has divided by the number of light paths of the pass already. The film divides by the number of passes.
 
 use super::PixelBounds;
+use super::light::LightKind;
 use super::refused::{Cause, Refused, RefusedSample, check_spectrum};
 use crate::radiometry::Spectrum;
 use crate::scene::camera::PixelFilter;
-use crate::scene::settings::Layer;
 
 /// One light path's contribution to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Row by row within the part.
     pub(super) pixel: u32,
-    pub(super) part: Layer,
+    pub(super) kind: LightKind,
     pub(super) value: Spectrum,
 }
 
@@ -51,9 +51,7 @@ impl SplatBuffer {
 
     /// Adds `value` at the film position (x, y), in pixels from the picture's top left corner; positions outside of the
     /// part add nothing.
-    /// `part` says which of [`Layer::Direct`], [`Layer::Caustic`] and [`Layer::Indirect`] the light belongs to.
-    pub fn add_splat(&mut self, x: f64, y: f64, part: Layer, value: Spectrum) {
-        debug_assert!(matches!(part, Layer::Direct | Layer::Caustic | Layer::Indirect), "{part:?} is not light");
+    pub fn add_splat(&mut self, x: f64, y: f64, kind: LightKind, value: Spectrum) {
         let position = if x.is_nan() || y.is_nan() { Err(Cause::NotANumber) } else { Ok(()) };
         if let Err(cause) = position.and(check_spectrum(value)) {
             // A cast saturates and makes 0 of NaN, so every record names a pixel.
@@ -61,7 +59,7 @@ impl SplatBuffer {
             return;
         }
         match self.filter {
-            PixelFilter::Box => self.push(x.floor(), y.floor(), part, value),
+            PixelFilter::Box => self.push(x.floor(), y.floor(), kind, value),
             PixelFilter::Gaussian => {
                 let first = |v: f64| (v - 0.5 - GAUSSIAN_CUT).ceil();
                 for j in 0..4 {
@@ -69,7 +67,7 @@ impl SplatBuffer {
                         let (px, py) = (first(x) + f64::from(i), first(y) + f64::from(j));
                         let weight = gaussian(x - px - 0.5) * gaussian(y - py - 0.5);
                         if weight > 0.0 {
-                            self.push(px, py, part, value * weight);
+                            self.push(px, py, kind, value * weight);
                         }
                     }
                 }
@@ -77,12 +75,12 @@ impl SplatBuffer {
         }
     }
 
-    fn push(&mut self, px: f64, py: f64, part: Layer, value: Spectrum) {
+    fn push(&mut self, px: f64, py: f64, kind: LightKind, value: Spectrum) {
         let PixelBounds { x0, y0, x1, y1 } = self.bounds;
         let inside = (f64::from(x0)..f64::from(x1)).contains(&px) && (f64::from(y0)..f64::from(y1)).contains(&py);
         if inside {
             let pixel = (py as u32 - y0) * self.bounds.width() + (px as u32 - x0);
-            self.splats.push(Splat { pixel, part, value });
+            self.splats.push(Splat { pixel, kind, value });
         }
     }
 }
@@ -90,6 +88,9 @@ impl SplatBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Arrival, Part};
+
+    const DIRECT: LightKind = LightKind { part: Part::Direct, arrival: Arrival::Straight };
 
     /// Whatever the position, the pixels' weights are samples of a density whose integral over positions is 1: its
     /// mean over a fine grid of positions inside one pixel, summed over the pixels hit, is 1.
@@ -100,7 +101,7 @@ mod tests {
         for j in 0..n {
             for i in 0..n {
                 let at = |k: i32| 4.0 + (f64::from(k) + 0.5) / f64::from(n);
-                buffer.add_splat(at(i), at(j), Layer::Caustic, Spectrum::ONE);
+                buffer.add_splat(at(i), at(j), DIRECT, Spectrum::ONE);
             }
         }
         let total: f64 = buffer.splats.iter().map(|s| s.value.r()).sum::<f64>() / f64::from(n * n);
@@ -112,12 +113,12 @@ mod tests {
     fn splats_outside_add_nothing_and_bad_ones_are_counted() {
         let mut buffer = SplatBuffer::new(PixelBounds::whole([2, 2]), 3, PixelFilter::Box);
         for (x, y) in [(-0.1, 0.5), (0.5, 2.0), (1e300, 0.0)] {
-            buffer.add_splat(x, y, Layer::Direct, Spectrum::ONE);
+            buffer.add_splat(x, y, DIRECT, Spectrum::ONE);
         }
         assert!(buffer.splats.is_empty());
         assert_eq!(buffer.refused.total(), 0);
-        buffer.add_splat(1.5, f64::NAN, Layer::Direct, Spectrum::ONE);
-        buffer.add_splat(1.5, 0.5, Layer::Direct, Spectrum::rgb(0.0, f64::NAN, 0.0));
+        buffer.add_splat(1.5, f64::NAN, DIRECT, Spectrum::ONE);
+        buffer.add_splat(1.5, 0.5, DIRECT, Spectrum::rgb(0.0, f64::NAN, 0.0));
         assert_eq!(buffer.refused.not_a_number, 2);
         assert_eq!((buffer.refused.first[0].x, buffer.refused.first[0].pass), (1, 3));
     }

@@ -120,7 +120,8 @@ impl Film {
             for (sum, v) in record.iter_mut().zip(value) {
                 sum.add(v);
             }
-            if let Some((_, offset)) = self.layout.offsets().find(|&(layer, _)| layer == splat.part) {
+            let layers = splat.kind.layers();
+            for (_, offset) in self.layout.offsets().filter(|(layer, _)| layers.contains(layer)) {
                 for (sum, v) in record[offset..].iter_mut().zip(value) {
                     sum.add(v);
                 }

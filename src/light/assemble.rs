@@ -2,8 +2,7 @@
 
 use super::select::pick_weights;
 use super::{AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, SceneSphere, SpotLight};
-use crate::math::Dir3;
-use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
+use crate::radiometry::{Intensity, Irradiance, Radiance};
 use crate::sampling::discrete::DiscreteTable;
 use crate::scene::{LightId, LightSource, ObjectGeometry, ObjectId, Scene};
 
@@ -71,16 +70,9 @@ impl Lights {
         self.scene
     }
 
-    /// What a ray towards `wi` that leaves the scene meets: the sum of all environments.
-    pub fn environment_radiance(&self, wi: Dir3) -> Radiance {
-        self.environments.iter().map(|&id| self.get(id).environment_radiance(wi)).sum()
-    }
-
-    /// Density with which picking a light and sampling it finds `wi` in one of the environments: the counterpart of
-    /// [`Lights::environment_radiance`] for multiple importance sampling.
-    pub fn environment_pdf(&self, wi: Dir3) -> Pdf<SolidAngle> {
-        let density = |&id: &LightId| (self.get(id).environment_pdf(wi) * self.pick_pmf(id)).get();
-        Pdf::new(self.environments.iter().map(density).sum())
+    /// What a ray that leaves the scene meets: all of them.
+    pub fn environments(&self) -> impl Iterator<Item = (LightId, &dyn Light)> {
+        self.environments.iter().map(|&id| (id, self.get(id)))
     }
 }
 

@@ -150,7 +150,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         Radius::Metres(radius) => radius.into(),
     };
     let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
-    let all: [(&str, serde_json::Value); 19] = [
+    let all: [(&str, serde_json::Value); 20] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -161,6 +161,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("estimator", settings.estimator.name().into()),
         ("guiding", settings.guiding.name().into()),
         ("footprint", settings.footprint.name().into()),
+        ("caustics", settings.caustics.name().into()),
         ("indirect", settings.indirect.name().into()),
         ("bounce_footprint", settings.bounce_footprint.name().into()),
         ("kernel", settings.kernel.name().into()),

@@ -13,6 +13,8 @@ use crate::world::World;
 /// Rays over a footprint, evenly around its ellipse: what reaches a wall between two of them is within the last seventh of
 /// its radius, where kernels are about zero.
 const PROBES: usize = 6;
+/// A wall reaches down to that part of the height up to which things count as the surface.
+const LOW: f64 = 1.0 / 16.0;
 /// Walls that are mirrored at, at most: those of a room.
 const MAX_WALLS: usize = 4;
 /// Images at most; a footprint as wide as its room has some twenty.
@@ -71,12 +73,17 @@ fn mirrored(photon: &Photon, wall: &Wall, frame: &Frame) -> Option<Photon> {
 fn walls(world: &World, photon: &Photon, frame: &Frame) -> [Option<Wall>; MAX_WALLS] {
     let (p, n) = (photon.position(), photon.normal());
     // What is lower than that counts as the surface itself.
-    let over = p + n * photon.thickness().copysign(photon.wi().dot(n));
+    let up = n * photon.thickness().copysign(photon.wi().dot(n));
     let probes = probes(&photon.form(), frame);
-    let met = probes.map(|probe| {
-        let ray = Ray { t_max: probe.length(), ..Ray::new(over, Dir3::new(probe)?) };
+    let steep = |height: f64, probe: Vec3| {
+        let ray = Ray { t_max: probe.length(), ..Ray::new(p + up * height, Dir3::new(probe)?) };
         let si = world.intersect(&ray)?;
-        (si.ng.dot(n).abs() < MIN_NORMAL_COSINE).then(|| Wall::new(p, n, si.p, towards(si.ng.to_vec(), -ray.direction)))
+        (si.ng.dot(n).abs() < MIN_NORMAL_COSINE).then(|| (si.p, towards(si.ng.to_vec(), -ray.direction)))
+    };
+    let met = probes.map(|probe| {
+        // Under what hovers the surface goes on.
+        let (q, nw) = steep(1.0, probe).and_then(|_| steep(LOW, probe))?;
+        Some(Wall::new(p, n, q, nw))
     });
     let mut walls = [None; MAX_WALLS];
     for wall in met.iter().flatten().flatten() {

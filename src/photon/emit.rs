@@ -93,6 +93,11 @@ impl EmissionPoints {
         leading(self.collimated, [lead[0], lead[1], other[0], other[1]])
     }
 
+    /// A point of [`EmissionPoints::point`] with the pair in front that leads.
+    pub fn leading(&self, u: [f64; 4]) -> [f64; 4] {
+        leading(self.collimated, u)
+    }
+
     /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell. Of
     /// points that are kept with the probability `keep` each stands for 1/keep of them.
     pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
@@ -118,6 +123,8 @@ pub struct EmissionPlan {
     pub share: Share,
     /// Which of them are kept; all of them if there is none.
     pub guide: Option<Arc<Guide>>,
+    /// Which part of the light's caustics eye paths bring; photons bring the rest.
+    pub eyes_part: f64,
 }
 
 impl EmissionPlan {
@@ -126,7 +133,13 @@ impl EmissionPlan {
     pub fn even(lights: &Lights, due: &[u64], share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
         let lights = lights.iter().zip(due).filter(|&(_, &n)| n > 0);
         lights
-            .map(|((light, _), &points)| EmissionPlan { light, points, share: share(light, points), guide: None })
+            .map(|((light, _), &points)| EmissionPlan {
+                light,
+                points,
+                share: share(light, points),
+                guide: None,
+                eyes_part: 0.0,
+            })
             .collect()
     }
 
@@ -166,6 +179,8 @@ impl Population {
 #[derive(Clone, Debug)]
 pub struct EmissionUnit {
     pub light: LightId,
+    /// As its plan's.
+    pub eyes_part: f64,
     guide: Option<Arc<Guide>>,
     points: EmissionPoints,
     range: Range<u64>,
@@ -188,7 +203,8 @@ impl EmissionUnit {
             let step = (size as f64 * n as f64 / plan.photons()).ceil() as u64;
             for start in (0..n).step_by(step as usize) {
                 let range = start..(start + step).min(n);
-                units.push(EmissionUnit { light, guide: plan.guide.clone(), points: points.clone(), range });
+                let (guide, eyes_part) = (plan.guide.clone(), plan.eyes_part);
+                units.push(EmissionUnit { light, eyes_part, guide, points: points.clone(), range });
             }
         }
         units
@@ -202,7 +218,7 @@ impl EmissionUnit {
         for i in self.range.clone() {
             let mut stream = self.points.stream(i);
             let u = self.points.point(i, &mut stream);
-            let keep = self.guide.as_ref().map_or(1.0, |guide| guide.keep(leading(self.points.collimated, u)));
+            let keep = self.guide.as_ref().map_or(1.0, |guide| guide.keep(self.points.leading(u)));
             if keep < 1.0 && stream.uniform() >= keep {
                 continue;
             }

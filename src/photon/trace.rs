@@ -33,9 +33,12 @@ pub struct PhotonTracer<'a, const N: usize> {
     spread: Spread,
     /// Semi-axis of a scattered photon's footprint at most, m.
     widest: f64,
+    narrow: f64,
     first_event: FirstEvent,
     bounces: Option<Bounces>,
     sharing: f64,
+    /// The photons' part of caustics.
+    part: f64,
     /// Whether photons straight from a surface that scatters are stored, too.
     stores_scattered: bool,
     pending: Vec<Branch<N>>,
@@ -45,6 +48,9 @@ pub struct PhotonTracer<'a, const N: usize> {
 
 /// Semi-axis of a scattered photon's footprint at most, in radii of the scene's bounding sphere: what is as wide as a room is even in it.
 const WIDEST: f64 = 0.5;
+
+/// Photons of lamps that are not narrower than that, in the same unit, are mirrored at walls as scattered ones are.
+const NARROW: f64 = 1.0 / 32.0;
 
 /// One of the kinds' lists.
 type Kind = fn(&mut Kinds<Vec<Photon>>) -> &mut Vec<Photon>;
@@ -96,14 +102,17 @@ impl<const N: usize> Branch<N> {
 impl<'a, const N: usize> PhotonTracer<'a, N> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
+        let size = world.scene.bounds.bounding_sphere().1;
         PhotonTracer {
             world,
             limits,
             spread,
-            widest: WIDEST * world.scene.bounds.bounding_sphere().1,
+            widest: WIDEST * size,
+            narrow: NARROW * size,
             first_event: FirstEvent::Delta,
             bounces: None,
             sharing: f64::INFINITY,
+            part: 1.0,
             stores_scattered: false,
             pending: Vec::new(),
             stored: Kinds::default(),
@@ -115,6 +124,11 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
     pub fn of(self, population: &Population) -> Self {
         let &Population { first_event, bounces, sharing, stores_scattered, .. } = population;
         PhotonTracer { first_event, bounces, sharing, stores_scattered, ..self }
+    }
+
+    /// For photons of a light of whose caustics eye paths bring that part.
+    pub fn beside_eyes(self, eyes_part: f64) -> Self {
+        PhotonTracer { part: 1.0 - eyes_part, ..self }
     }
 
     /// Follows one emitted photon to the end of all its branches.
@@ -209,16 +223,18 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             return;
         }
         let mut form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
-        let is_scattered = branch.bounces > 0 && matches!(self.spread, Spread::Columns { .. });
-        if is_scattered {
+        let has_columns = matches!(self.spread, Spread::Columns { .. });
+        let is_scattered = branch.bounces > 0;
+        if has_columns && is_scattered {
             form = form.at_most(self.widest);
         }
-        let photon = Photon::new(si.p, -branch.w, si.ng, branch.flux, form, si.object);
+        let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
+        let photon = Photon::new(si.p, -branch.w, si.ng, flux, form, si.object);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
-        // Photons that come from a light directly are narrow.
-        if is_scattered && form.trace() > 0.0 {
+        let narrow = if is_scattered { 0.0 } else { self.narrow };
+        if has_columns && form.trace() > narrow * narrow {
             let images = edge::images(self.world, &photon);
             self.counts.edge_images += images.len() as u64;
             list.extend(images);

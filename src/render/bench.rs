@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::partition::EyeFinds;
+use super::partition::EyeTask;
 use super::progress::Silent;
 use super::unit::{NoThread, on_one_thread, threads};
 use super::watch::{Stopped, Unattended};
@@ -150,9 +150,9 @@ impl Standard {
         let (plain, without) = timed(|| harvest(world, &plans));
         let photons = plain.map(PhotonHarvest::into_map);
         let settings = &world.scene.settings;
-        let ((), picture) = timed(|| expose(world, camera, None));
+        let ((), picture) = timed(|| expose(world, camera, &plans, None));
         let (trees, map) = timed(|| photons.as_ref().map(|map| Estimate::new(map, settings, 0)));
-        let ((), estimate) = timed(|| expose(world, camera, Some(&trees)));
+        let ((), estimate) = timed(|| expose(world, camera, &plans, Some(&trees)));
         Standard {
             photons: [with_columns, without],
             map,
@@ -175,12 +175,12 @@ fn harvest(world: &World, plans: &Kinds<Population>) -> Kinds<PhotonHarvest> {
 }
 
 /// The picture of pass 0, thrown away.
-fn expose(world: &World, camera: &Camera, photons: Option<&Kinds<Estimate>>) {
+fn expose(world: &World, camera: &Camera, plans: &Kinds<Population>, photons: Option<&Kinds<Estimate>>) {
     let unattended = Unattended(&Silent);
     let job = Job::new(world, camera.clone(), &unattended);
     let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
     // Nobody stops it.
-    let _ = exposure::expose(&job, EyeFinds::AllButFocused, photons, &mut state);
+    let _ = exposure::expose(&job, &EyeTask::beside(world, plans), photons, &mut state);
 }
 
 /// Seconds that the library takes for all the rays, of which some were kept.
@@ -217,10 +217,10 @@ impl Run {
         end(1);
         let maps = harvest.map(PhotonHarvest::into_map);
         end(2);
-        expose(world, camera, None);
+        expose(world, camera, &plans, None);
         end(3);
         let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, 0));
-        expose(world, camera, Some(&estimates));
+        expose(world, camera, &plans, Some(&estimates));
         end(4);
         seconds[4] = (seconds[4] - seconds[3]).max(0.0);
         let of_both = |of: &dyn Fn(&PhotonMap) -> u64| maps.as_ref().into_array().into_iter().map(of).sum();

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::partition;
 use super::progress::Silent;
 use super::unit::collect_units;
 use super::watch::{Stopped, Unattended};
+use super::{mis, partition};
 use crate::estimate::bandwidth;
 use crate::light::{Aim, Light, select};
 use crate::photon::footprint::Spread;
@@ -42,7 +42,10 @@ pub(super) fn caustics(world: &World) -> Population {
     let (Some(aim), n) = (world.aim, world.scene.settings.photons) else { return Population::NONE };
     let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
     let kind = Population { aim, sharing: sharing(world, n as f64), stores_scattered, ..Population::NONE };
-    let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
+    let mut plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
+    for plan in &mut plans {
+        plan.eyes_part = mis::eyes_part(world, &aim, plan);
+    }
     Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
 }
 
@@ -96,7 +99,7 @@ fn plans(world: &World, n: u64, kind: &Population, share: impl Fn(LightId, u64) 
     let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
     let plan = |(((light, _), found), n): (((LightId, &dyn Light), Found), u64)| {
         let (points, guide) = found.fill(n);
-        EmissionPlan { light, points, share: share(light, points), guide: guide.map(Arc::new) }
+        EmissionPlan { light, points, share: share(light, points), guide: guide.map(Arc::new), eyes_part: 0.0 }
     };
     let lights = world.lights.iter().zip(found).zip(select::allot(n, &worth));
     lights.filter(|&(_, n)| n > 0).map(plan).collect()

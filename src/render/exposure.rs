@@ -1,13 +1,13 @@
 //! gather → film: eye paths over all tiles, and the photons' light at their vertices.
 
 use super::eye_path::{EyePathTracer, Query};
-use super::partition::EyeFinds;
+use super::partition::EyeTask;
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::camera::{Camera, filter_offset};
 use crate::estimate::{Estimate, GatherPoint, Turn, bandwidth};
-use crate::film::{self, EyeSample, PixelBounds, Tile};
+use crate::film::{self, Arrival, EyeSample, LightKind, Part, PixelBounds, Tile};
 use crate::math::Vec2;
 use crate::photon::Kinds;
 use crate::sampling::PixelSamples;
@@ -32,11 +32,11 @@ fn eye_radius(settings: &RenderSettings, pass: u32) -> f64 {
     }
 }
 
-/// Adds the tiles of the pass under way that its film does not have yet; `photons` answer the queries that `finds` leaves
+/// Adds the tiles of the pass under way that its film does not have yet; `photons` answer the queries that `task` leaves
 /// to them.
 pub fn expose(
     job: &Job,
-    finds: EyeFinds,
+    task: &EyeTask,
     photons: Option<&Kinds<Estimate>>,
     state: &mut RenderState,
 ) -> Result<(), Stopped> {
@@ -48,7 +48,7 @@ pub fn expose(
         settings,
         tracer: EyePathTracer {
             world,
-            finds,
+            task,
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
             sample_radius: eye_radius(settings, pass),
@@ -143,8 +143,13 @@ fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], s
     let [caustic, onward, bounced] = [caustic, onward, bounced].map(|estimate| estimate.gather(&points));
     for (i, (query, &owner)) in queries.iter().zip(owners).enumerate() {
         let sample = &mut samples[owner].2;
-        sample.caustic += query.beta * (caustic[i].radiance.0 + onward[i].radiance.0);
-        sample.indirect += query.beta * bounced[i].radiance.0;
+        for (part, here, light) in [
+            (Part::Caustic, Arrival::Focused, &caustic[i]),
+            (Part::Caustic, Arrival::SentBack, &onward[i]),
+            (Part::Indirect, Arrival::SentBack, &bounced[i]),
+        ] {
+            sample.add(LightKind { part, arrival: query.arrival(here) }, query.beta * light.radiance.0);
+        }
         if query.first {
             sample.photon_density = caustic[i].density;
         }
@@ -155,7 +160,9 @@ fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], s
     let points: Vec<GatherPoint> = asking.iter().map(|(query, _)| query.point).collect();
     let [onward, scattered] = [onward_scattered, scattered].map(|estimate| estimate.gather(&points));
     for (i, (query, owner)) in asking.into_iter().enumerate() {
-        samples[owner].2.caustic += query.beta * onward[i].radiance.0;
-        samples[owner].2.indirect += query.beta * scattered[i].radiance.0;
+        for (part, light) in [(Part::Caustic, &onward[i]), (Part::Indirect, &scattered[i])] {
+            let kind = LightKind { part, arrival: query.arrival(Arrival::Scattered) };
+            samples[owner].2.add(kind, query.beta * light.radiance.0);
+        }
     }
 }

@@ -5,14 +5,15 @@
 //! event behind a scattering vertex, or at the next surface that scatters. It drops nothing else: E S* L stays its own, and
 //! shadow rays never cross a delta lobe.
 
-use super::partition::EyeFinds;
+use super::partition::{EyeFinds, EyeTask, Walked};
 use crate::camera::CameraRay;
 use crate::differential::{Column, Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
-use crate::film::EyeSample;
+use crate::film::{Arrival, EyeSample, LightKind, Part};
 use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
 use crate::sampling::{PixelSample, Stream};
+use crate::scene::LightId;
 use crate::surface::{Bsdf, BsdfSample, Event, Interaction, TransportMode};
 use crate::world::World;
 
@@ -24,12 +25,21 @@ pub struct Query {
     pub first: bool,
     /// Whether photons straight from surfaces that scatter are asked, too.
     pub scattered: bool,
+    /// What light that comes straight to the vertex is to the eye.
+    straight: Arrival,
+}
+
+impl Query {
+    /// What light that reaches the vertex in this way is to the eye.
+    pub fn arrival(&self, here: Arrival) -> Arrival {
+        if self.straight == Arrival::Straight { here } else { self.straight }
+    }
 }
 
 /// The fixed part of eye-path tracing.
 pub struct EyePathTracer<'a> {
     pub world: &'a World,
-    pub finds: EyeFinds,
+    pub task: &'a EyeTask,
     pub max_depth: u32,
     pub max_bounces: u32,
     /// Semi-axes of an eye sample's footprint, in pixels.
@@ -60,14 +70,16 @@ struct Walk {
     bounces: u32,
     /// Delta events since the last event that was none, or since the eye.
     chain: u32,
-    /// Whether the last event that was no delta one was at a glossy surface.
-    from_glossy: bool,
+    /// What light that the edge under way runs into is to the eye.
+    walked: Walked,
     /// Whether there was a delta event behind one that was none.
     sent_back: bool,
     /// Where the last scattering event was and the density of its direction.
     scattered: Option<(Point3, Pdf<SolidAngle>)>,
     /// Whether all other light of the edge under way is the photons'.
     looks_for_lights_only: bool,
+    /// Whether photons bring their part of that of lights, too.
+    shared: bool,
 }
 
 impl Walk {
@@ -82,10 +94,11 @@ impl Walk {
             beta: Spectrum::ONE,
             bounces: 0,
             chain: 0,
-            from_glossy: false,
+            walked: Walked::START,
             sent_back: false,
             scattered: None,
             looks_for_lights_only: false,
+            shared: false,
         }
     }
 
@@ -93,6 +106,12 @@ impl Walk {
     /// glasses and glossy surfaces.
     fn order(&self) -> u32 {
         self.bounces + u32::from(self.sent_back)
+    }
+
+    /// From here on photons own what surfaces that scatter send, and their part of what lights do.
+    fn share(&mut self) {
+        self.looks_for_lights_only = true;
+        self.shared = true;
     }
 }
 
@@ -122,21 +141,24 @@ impl EyePathTracer<'_> {
             self.add_emission(walk, &si, &mut sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
             // What a glossy surface sends on to one that scatters is focused.
-            if bsdf.is_glossy() && walk.bounces > 0 && self.finds.leaves_focused() {
-                break;
+            if bsdf.is_glossy() && walk.bounces > 0 && self.task.finds.leaves_focused() {
+                if self.task.part.is_none() {
+                    break;
+                }
+                walk.share();
             }
-            if bsdf.has_scatter() && walk.bounces <= self.max_bounces {
-                if walk.looks_for_lights_only {
+            if bsdf.is_glossy() || bsdf.has_scatter() && walk.bounces <= self.max_bounces {
+                if walk.looks_for_lights_only && !(walk.shared && bsdf.is_glossy()) {
                     break;
                 }
                 if !seen_scatter {
                     sample.normal = si.ns.to_vec();
                     sample.albedo = bsdf.albedo(si.wo);
                 }
-                if self.finds != EyeFinds::Emitters {
+                if self.task.finds != EyeFinds::Emitters {
                     self.add_direct_light(walk, &si, &bsdf, &mut stream, &mut sample);
                 }
-                if self.finds.leaves_focused() {
+                if self.task.finds.leaves_focused() && !walk.shared {
                     queries.push(self.query(walk, &si, bsdf, !seen_scatter, &mut stream));
                 }
                 seen_scatter = true;
@@ -156,12 +178,13 @@ impl EyePathTracer<'_> {
         walk.beta *= next.weight;
         match next.event {
             Event::Scatter { pdf } => {
-                if walk.bounces > self.max_bounces || self.finds == EyeFinds::Emitters {
+                let ends = !bsdf.is_glossy() && walk.bounces > self.max_bounces;
+                if ends || self.task.finds == EyeFinds::Emitters {
                     return false;
                 }
-                walk.from_glossy = bsdf.is_glossy();
-                if !walk.from_glossy {
-                    walk.looks_for_lights_only = self.finds.leaves_scattered(walk.bounces);
+                walk.walked = walk.walked.scattered(bsdf.is_glossy());
+                if !bsdf.is_glossy() {
+                    walk.looks_for_lights_only = self.task.finds.leaves_scattered(walk.bounces);
                     walk.bounces += 1;
                 }
                 walk.chain = 0;
@@ -169,9 +192,13 @@ impl EyePathTracer<'_> {
                 walk.differential = self.gathered_over(next.wi, pdf);
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
-                if walk.scattered.is_some() && self.finds.leaves_focused() {
-                    return false;
+                if walk.scattered.is_some() && self.task.finds.leaves_focused() {
+                    if self.task.part.is_none() {
+                        return false;
+                    }
+                    walk.share();
                 }
+                walk.walked = walk.walked.over_delta();
                 walk.chain += 1;
                 walk.sent_back |= walk.scattered.is_some();
                 walk.differential = redirected(&walk.differential, walk.w, si, &next);
@@ -193,16 +220,17 @@ impl EyePathTracer<'_> {
         if !radiance.is_black() {
             let w = walk.w;
             let next_event = |from| light.pdf_li(from, w, si.p, si.ng) * lights.pick_pmf(id);
-            self.add_found(walk, radiance, sample, next_event);
+            self.add_found(walk, (id, radiance), sample, next_event);
         }
     }
 
     fn add_environment(&self, walk: &mut Walk, sample: &mut EyeSample) {
         let lights = &self.world.lights;
-        let radiance = lights.environment_radiance(walk.w).0;
-        if !radiance.is_black() {
-            let w = walk.w;
-            self.add_found(walk, radiance, sample, |_| lights.environment_pdf(w));
+        for (id, light) in lights.environments() {
+            let (w, radiance) = (walk.w, light.environment_radiance(walk.w).0);
+            if !radiance.is_black() {
+                self.add_found(walk, (id, radiance), sample, |_| light.environment_pdf(w) * lights.pick_pmf(id));
+            }
         }
     }
 
@@ -210,24 +238,31 @@ impl EyePathTracer<'_> {
     fn add_found(
         &self,
         walk: &mut Walk,
-        radiance: Spectrum,
+        (light, radiance): (LightId, Spectrum),
         sample: &mut EyeSample,
         next_event: impl Fn(Point3) -> Pdf<SolidAngle>,
     ) {
-        match walk.scattered {
-            None => sample.direct += walk.beta * radiance,
-            Some(_) if walk.chain > 0 => sample.caustic += walk.beta * radiance,
+        let (part, weight) = match walk.scattered {
+            None => (Part::Direct, 1.0),
+            Some(_) if walk.chain > 0 => (Part::Caustic, 1.0),
             Some((from, pdf)) => {
                 let weight = power_heuristic(pdf.get(), next_event(from).get());
-                let light = walk.beta * radiance * weight;
                 // The edge just flown belongs to the bounce before it.
-                match walk.order() {
-                    1.. if walk.from_glossy => sample.caustic += light,
-                    0 | 1 => sample.direct += light,
-                    _ => sample.indirect += light,
-                }
+                let part = match walk.order() {
+                    1.. if walk.walked.from_glossy => Part::Caustic,
+                    0 | 1 => Part::Direct,
+                    _ => Part::Indirect,
+                };
+                (part, weight)
             }
-        }
+        };
+        let weight = weight * self.part_of(walk, light);
+        sample.add(LightKind { part, arrival: walk.walked.arrival }, walk.beta * radiance * weight);
+    }
+
+    /// What of a light's focused light eye paths bring.
+    fn part_of(&self, walk: &Walk, light: LightId) -> f64 {
+        if walk.shared { self.task.part.of(light) } else { 1.0 }
     }
 
     fn add_direct_light(
@@ -253,26 +288,28 @@ impl EyePathTracer<'_> {
                 power_heuristic((pdf * choice.pmf).get(), scatter.get())
             }
         };
+        let weight = weight * self.part_of(walk, choice.light);
         let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
-        match walk.order() {
-            0 => sample.direct += light,
-            _ if bsdf.is_glossy() => sample.caustic += light,
-            _ => sample.indirect += light,
-        }
+        let part = match walk.order() {
+            0 => Part::Direct,
+            _ if bsdf.is_glossy() => Part::Caustic,
+            _ => Part::Indirect,
+        };
+        sample.add(LightKind { part, arrival: walk.walked.straight_at(bsdf.is_glossy()) }, light);
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
         let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
         let asks = if walk.bounces == 0 { Asks::All(walk.turn) } else { Asks::Drawn(stream.uniform()) };
-        let scattered = bsdf.is_diffuse() && self.finds.leaves_scattered(walk.bounces);
+        let scattered = bsdf.is_diffuse() && self.task.finds.leaves_scattered(walk.bounces);
         let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
-        Query { point, beta: walk.beta, first, scattered }
+        Query { point, beta: walk.beta, first, scattered, straight: walk.walked.straight_at(bsdf.is_glossy()) }
     }
 
     /// The columns of an edge that gathers light of photons: a pixel's samples share the directions out between them, so
     /// that such a cell is the edge's footprint as the share of the pixel is a camera ray's. Other edges have none.
     fn gathered_over(&self, w: Dir3, pdf: Pdf<SolidAngle>) -> Differential<2> {
-        if !matches!(self.finds, EyeFinds::NothingScattered { from: 1.. }) {
+        if !matches!(self.task.finds, EyeFinds::NothingScattered { from: 1.. }) {
             return Differential::ZERO;
         }
         let (frame, side) = (Frame::from_unit(w), GATHER_WIDTH * pdf.get().sqrt().recip().min(WIDEST_GATHER));

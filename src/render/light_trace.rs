@@ -8,19 +8,18 @@
 //! paths of a small lens' caustic are not lost beside the lens.
 
 use super::exposure::expose;
-use super::partition::EyeFinds;
+use super::partition::{EyeFinds, EyeTask};
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::camera::Camera;
-use crate::film::{Exposure, SplatBuffer};
+use crate::film::{Arrival, Exposure, LightKind, Part, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
 use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
-use crate::scene::settings::Layer;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Event, Interaction, TransportMode};
 use crate::world::World;
@@ -73,7 +72,7 @@ impl<'a> Kind<'a> {
 
 /// The rest of the pass under way of the light tracer, added to the film.
 pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
-    expose(job, EyeFinds::Emitters, None, state)?;
+    expose(job, &EyeTask::alone(EyeFinds::Emitters), None, state)?;
     let (world, camera, pass) = (job.world, &job.camera, state.film.pass());
     let kinds = Kind::all(world, pass);
     let units: Vec<(&Kind, usize)> =
@@ -115,9 +114,11 @@ struct Walk {
     leading_events: Option<u32>,
     /// The part that it belongs to where the eye looks past glossy surfaces at the last vertex of class D, or at the light;
     /// none once there was a delta event behind.
-    past_glossy: Option<Layer>,
+    past_glossy: Option<LightKind>,
     /// The part of the picture that the path's light belongs to, decided at its first scattering vertex.
-    layer: Option<Layer>,
+    part: Option<Part>,
+    /// Events of class S since the last one of class D, or since the light.
+    chain: u32,
 }
 
 impl LightTracer<'_> {
@@ -128,15 +129,16 @@ impl LightTracer<'_> {
             flux: emission.flux.0,
             scatter_events: 0,
             leading_events: Some(0),
-            past_glossy: Some(Layer::Direct),
-            layer: None,
+            past_glossy: Some(LightKind { part: Part::Direct, arrival: Arrival::Straight }),
+            part: None,
+            chain: 0,
         };
         for edge in 1..settings.max_depth {
             let Some(si) = self.world.intersect(&walk.ray) else { return };
             let bsdf = self.world.bsdf_unfiltered(&si);
             // Light at the first vertex itself, L D E, belongs to the paths that may come from everywhere.
             if bsdf.has_scatter() && (edge > 1 || self.first_event == FirstEvent::Scatter) {
-                if walk.scatter_events > settings.max_bounces {
+                if !bsdf.is_glossy() && walk.scatter_events > settings.max_bounces {
                     return;
                 }
                 self.connect(&walk, &si, &bsdf, stream);
@@ -163,7 +165,7 @@ impl LightTracer<'_> {
         let f = bsdf.f(si.wo, seen.w, TransportMode::Importance) * cosine(si, seen.w);
         let value = walk.flux * f * seen.importance;
         if !value.is_black() && self.world.visible(si, seen.w, seen.origin.distance(si.p)) {
-            self.splats.add_splat(seen.raster.x, seen.raster.y, layer_at(walk, bsdf), value);
+            self.splats.add_splat(seen.raster.x, seen.raster.y, kind_at(walk, bsdf), value);
         }
     }
 }
@@ -174,13 +176,22 @@ fn cosine(si: &Interaction, wi: Dir3) -> f64 {
 }
 
 /// Direct: L D E; caustic: L S⁺ D …; indirect: L D … as in the eye path's parts, which look on past glossy surfaces.
-fn layer_at(walk: &Walk, bsdf: &Bsdf) -> Layer {
-    let past_glossy = walk.past_glossy.filter(|_| bsdf.is_glossy());
-    past_glossy.or(walk.layer).unwrap_or(match walk.leading_events {
-        Some(0) => Layer::Direct,
-        Some(_) => Layer::Caustic,
-        None => Layer::Indirect,
-    })
+fn kind_at(walk: &Walk, bsdf: &Bsdf) -> LightKind {
+    if let Some(past_glossy) = walk.past_glossy.filter(|_| bsdf.is_glossy()) {
+        return past_glossy;
+    }
+    let part = walk.part.unwrap_or(match walk.leading_events {
+        Some(0) => Part::Direct,
+        Some(_) => Part::Caustic,
+        None => Part::Indirect,
+    });
+    let arrival = match (walk.scatter_events > 0, walk.chain > 0) {
+        (false, false) => Arrival::Straight,
+        (false, true) => Arrival::Focused,
+        (true, true) => Arrival::SentBack,
+        (true, false) => Arrival::Scattered,
+    };
+    LightKind { part, arrival }
 }
 
 /// Samples the next direction; false where the path ends.
@@ -194,15 +205,17 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
             walk.flux *= shading_normal_factor(si.wo, next.wi, si.ns, si.ng);
             if bsdf.is_glossy() {
                 walk.leading_events = walk.leading_events.map(|n| n + 1);
+                walk.chain += 1;
             } else {
-                let here = layer_at(walk, bsdf);
-                walk.layer.get_or_insert(if here == Layer::Caustic { here } else { Layer::Indirect });
-                (walk.past_glossy, walk.leading_events) = (Some(here), None);
+                let here = kind_at(walk, bsdf);
+                walk.part.get_or_insert(if here.part == Part::Caustic { here.part } else { Part::Indirect });
+                (walk.past_glossy, walk.leading_events, walk.chain) = (Some(here), None, 0);
                 walk.scatter_events += 1;
             }
         }
         Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
             walk.leading_events = walk.leading_events.map(|n| n + 1);
+            walk.chain += 1;
             walk.past_glossy = None;
         }
     }

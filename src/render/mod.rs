@@ -11,6 +11,7 @@ pub mod exposure;
 pub mod eye_path;
 pub mod light_trace;
 pub mod memory;
+pub mod mis;
 pub mod partition;
 pub mod photon_map;
 pub mod progress;
@@ -29,7 +30,7 @@ use crate::film::{Film, PixelBounds};
 use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
 use crate::world::World;
-use partition::EyeFinds;
+use partition::{EyeFinds, EyeTask};
 use progress::Progress;
 use watch::{Stopped, Unattended, Watch};
 
@@ -149,7 +150,7 @@ pub fn go_on(
 fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     match job.world.scene.settings.method {
         Method::PhotonMap => photon_map::render_pass(job, state),
-        Method::Path => exposure::expose(job, EyeFinds::Everything, None, state),
+        Method::Path => exposure::expose(job, &EyeTask::alone(EyeFinds::Everything), None, state),
         Method::LightTrace => light_trace::render_pass(job, state),
     }
 }

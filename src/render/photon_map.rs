@@ -2,7 +2,7 @@
 
 use super::emission::{self, limits};
 use super::exposure::expose;
-use super::partition::EyeFinds;
+use super::partition::EyeTask;
 use super::progress::Progress;
 use super::unit::{run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
@@ -24,7 +24,7 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let plans = job.plans.get_or_init(|| emission::plan(world));
     let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
     let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, pass));
-    expose(job, EyeFinds::beside_photons(&world.scene.settings), Some(&estimates), state)?;
+    expose(job, &EyeTask::beside(world, plans), Some(&estimates), state)?;
     state.report.add_maps(&maps);
     Ok(())
 }
@@ -112,7 +112,8 @@ fn trace_unit(world: &World, unit: &Unit, spread: Spread) -> Traced {
 }
 
 fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> Traced {
-    let mut tracer = PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population);
+    let mut tracer =
+        PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population).beside_eyes(unit.emission.eyes_part);
     let aim = &unit.population.aim;
     let emitted = unit.emission.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
     tracer.counts.photons_emitted = emitted;
@@ -141,7 +142,7 @@ pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.
-fn spread(world: &World, pass: u32) -> Spread {
+pub(super) fn spread(world: &World, pass: u32) -> Spread {
     let settings = &world.scene.settings;
     match settings.estimator {
         Estimator::Progressive => {

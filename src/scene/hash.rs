@@ -10,7 +10,7 @@ use super::description::{
     ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{BackendKind, Bandwidth, BounceFootprint, Guiding, Indirect, Radius, RenderSettings};
+use super::settings::{BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings};
 use super::texture::{ImageTexture, Wrap};
 
 /// Changes when the serialisation below does.
@@ -132,6 +132,7 @@ impl Canonical {
             guiding,
             estimator,
             footprint,
+            caustics,
             indirect,
             bounce_footprint,
             kernel,
@@ -161,6 +162,10 @@ impl Canonical {
         // Only where they are set, so that other scenes keep the digest they had before there were these.
         if *guiding == Guiding::Off {
             self.tag("unguided");
+        }
+        if *caustics != Caustics::Shared {
+            self.tag("caustics");
+            self.tag(caustics.name());
         }
         if *indirect != Indirect::Path {
             self.tag(indirect.name());

@@ -51,6 +51,16 @@ named_choice!(
 );
 
 named_choice!(
+    /// What finds the light that mirrors and glass focus.
+    Caustics {
+        /// Photons; and eye paths to their part, where a lamp is so wide that these run into it often.
+        Shared = "shared",
+        /// Photons alone.
+        Photons = "photons",
+    }
+);
+
+named_choice!(
     /// What finds the light between surfaces that scatter.
     Indirect {
         /// Eye paths that bounce on.
@@ -130,6 +140,11 @@ named_choice!(
         Caustic = "caustic",
         Direct = "direct",
         Indirect = "indirect",
+        Emission = "emission",
+        Straight = "straight",
+        Focused = "focused",
+        SentBack = "sent_back",
+        Scattered = "scattered",
         Normal = "N",
         Depth = "Z",
         Albedo = "albedo",
@@ -173,6 +188,7 @@ pub struct RenderSettings {
     pub guiding: Guiding,
     pub estimator: Estimator,
     pub footprint: FootprintRule,
+    pub caustics: Caustics,
     pub indirect: Indirect,
     pub bounce_footprint: BounceFootprint,
     pub kernel: KernelShape,
@@ -202,6 +218,7 @@ impl Default for RenderSettings {
             guiding: Guiding::On,
             estimator: Estimator::Differentials,
             footprint: FootprintRule::Quadratic,
+            caustics: Caustics::Shared,
             indirect: Indirect::Path,
             bounce_footprint: BounceFootprint::Shared,
             // Smooth to the second derivative at its edge: at equal smoothing a lattice leaves a third of the ripple that

@@ -1,16 +1,21 @@
 //! The film: means, refusals, order of merging.
 
-use pdembree::film::{Exposure, EyeSample, Film, PixelBounds, SplatBuffer, Tile};
+use pdembree::film::{Arrival, Exposure, EyeSample, Film, LightKind, Part, PixelBounds, SplatBuffer, Tile};
 use pdembree::math::Vec3;
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::stream::{Purpose, Stream};
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::settings::Layer;
 
-const ALL: [Layer; 8] = [
+const ALL: [Layer; 13] = [
     Layer::Caustic,
     Layer::Direct,
     Layer::Indirect,
+    Layer::Emission,
+    Layer::Straight,
+    Layer::Focused,
+    Layer::SentBack,
+    Layer::Scattered,
     Layer::Normal,
     Layer::Depth,
     Layer::Albedo,
@@ -19,15 +24,21 @@ const ALL: [Layer; 8] = [
 ];
 
 fn sample(direct: f64, caustic: f64, indirect: f64, depth: Option<f64>) -> EyeSample {
-    EyeSample {
-        direct: Spectrum::splat(direct),
-        caustic: Spectrum::splat(caustic),
-        indirect: Spectrum::splat(indirect),
+    let mut sample = EyeSample {
         depth,
         normal: Vec3::new(0.0, -1.0, 0.5),
         albedo: Spectrum::rgb(0.1, 0.2, 0.3),
         photon_density: 8.0,
+        ..EyeSample::default()
+    };
+    for (part, arrival, light) in [
+        (Part::Direct, Arrival::Emission, direct),
+        (Part::Caustic, Arrival::Focused, caustic),
+        (Part::Indirect, Arrival::SentBack, indirect),
+    ] {
+        sample.add(LightKind { part, arrival }, Spectrum::splat(light));
     }
+    sample
 }
 
 fn new_film(width: u32, height: u32, layers: &[Layer]) -> Film {
@@ -49,6 +60,8 @@ fn a_pixel_is_the_mean_of_its_samples_in_every_layer() {
     let image = film.resolve();
     let names: Vec<&str> = image.channels.iter().map(|c| c.name.as_str()).collect();
     let expected = "R G B A caustic.R caustic.G caustic.B direct.R direct.G direct.B indirect.R indirect.G indirect.B \
+                    emission.R emission.G emission.B straight.R straight.G straight.B focused.R focused.G focused.B \
+                    sent_back.R sent_back.G sent_back.B scattered.R scattered.G scattered.B \
                     N.X N.Y N.Z Z albedo.R albedo.G albedo.B photons.density variance.Y";
     assert_eq!(names, expected.split(' ').collect::<Vec<_>>());
     let values: Vec<f32> = image.channels.iter().map(|c| c.samples[0]).collect();
@@ -131,7 +144,8 @@ fn splats_are_the_mean_of_the_passes_and_join_the_eye_samples() {
         tile.add(1, 0, &sample(2.0, 0.0, 0.0, None));
         film.add_tile(0, &tile);
         let mut splats = SplatBuffer::new(film.bounds(), pass, PixelFilter::Box);
-        splats.add_splat(1.25, 0.75, Layer::Caustic, Spectrum::rgb(f64::from(pass), 0.0, 1.0));
+        let kind = LightKind { part: Part::Caustic, arrival: Arrival::Focused };
+        splats.add_splat(1.25, 0.75, kind, Spectrum::rgb(f64::from(pass), 0.0, 1.0));
         film.add_splats(Exposure::LightToAll, 0, &splats);
         film.end_pass();
     }

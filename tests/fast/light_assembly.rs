@@ -75,15 +75,18 @@ fn tetrahedron_area() -> f32 {
 }
 
 #[test]
-fn environments_add_up() {
+fn environments_are_found_by_every_ray_that_leaves() {
     let mut scene = objects();
     let environment = |v: f64| LightSource::Environment { radiance: Spectrum::splat(v) };
     scene.lights = vec![environment(1.0), area(0), environment(0.25)];
     let lights = Lights::new(&scene).expect("all can emit");
     let wi = dir(0.3, 0.4, -0.5);
-    assert_eq!(lights.environment_radiance(wi).0, Spectrum::splat(1.25));
-    let chosen = lights.pick_pmf(LightId(0)).0 + lights.pick_pmf(LightId(2)).0;
-    assert!((lights.environment_pdf(wi).get() - chosen / (4.0 * PI)).abs() < 1e-15);
+    let ids: Vec<LightId> = lights.environments().map(|(id, _)| id).collect();
+    assert_eq!(ids, [LightId(0), LightId(2)]);
+    for ((_, light), radiance) in lights.environments().zip([1.0, 0.25]) {
+        assert_eq!(light.environment_radiance(wi).0, Spectrum::splat(radiance));
+        assert!((light.environment_pdf(wi).get() - 1.0 / (4.0 * PI)).abs() < 1e-15);
+    }
     // 4π² R² L through the sphere around the scene.
     let radius = lights.scene_sphere().radius;
     let power = lights.get(LightId(2)).power().0.luminance();

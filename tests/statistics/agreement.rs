@@ -7,7 +7,7 @@
 
 use pdembree::film::Image;
 use pdembree::import;
-use pdembree::render::{self, progress::Silent};
+use pdembree::render::{self, emission, progress::Silent};
 use pdembree::world::World;
 
 use crate::support::statistics::{LEVEL, Moments, assert_plausible, welch};
@@ -238,32 +238,149 @@ material = "black"
 emission = 5
 "#;
 
+/// A closed box under a pane of glass, in it a ball of rough gold and one of mirror, and a sky outside; the camera is in it.
+const PANE: &str = r#"
+format = 1
+[camera]
+type = "perspective"
+position = [0, 0.6, 0.95]
+target = [0, 0.2, 0]
+fov_degrees = 60
+resolution = [16, 16]
+[render]
+max_bounces = 3
+bandwidth = 0.5
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.wall]
+type = "lambert"
+albedo = [0.6, 0.4, 0.3]
+[materials.gold]
+type = "rough_conductor"
+preset = "gold"
+roughness = 0.4
+[materials.mirror]
+type = "mirror"
+reflectance = 0.9
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [1, 0, 0]
+b = [0, 0, -1]
+material = "wall"
+[[objects]]
+shape = "rectangle"
+centre = [-1, 0.5, 0]
+a = [0, 0.5, 0]
+b = [0, 0, 1]
+material = "wall"
+[[objects]]
+shape = "rectangle"
+centre = [1, 0.5, 0]
+a = [0, 0.5, 0]
+b = [0, 0, 1]
+material = "wall"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0.5, -1]
+a = [1, 0, 0]
+b = [0, 0.5, 0]
+material = "wall"
+[[objects]]
+shape = "rectangle"
+centre = [0, 0.5, 1]
+a = [1, 0, 0]
+b = [0, 0.5, 0]
+material = "wall"
+[[objects]]
+shape = "rectangle"
+centre = [0, 1, 0]
+a = [1, 0, 0]
+b = [0, 0, -1]
+material = "glass"
+[[objects]]
+shape = "rectangle"
+centre = [0, 1.05, 0]
+a = [1, 0, 0]
+b = [0, 0, 1]
+material = "glass"
+[[objects]]
+shape = "sphere"
+centre = [0.4, 0.3, -0.3]
+radius = 0.3
+material = "gold"
+[[objects]]
+shape = "sphere"
+centre = [-0.4, 0.3, -0.3]
+radius = 0.3
+material = "mirror"
+[[lights]]
+type = "environment"
+radiance = [0.2, 0.4, 1.0]
+[[lights]]
+type = "environment"
+radiance = [0.5, 0.3, 0.1]
+"#;
+
+#[derive(Clone, Copy)]
 struct Settings {
     method: &'static str,
+    caustics: &'static str,
     indirect: &'static str,
     spp: u32,
     photons: u64,
 }
 
-const PHOTON_MAP: Settings = Settings { method: "photon_map", indirect: "path", spp: 16, photons: 40_000 };
-const GLOBAL: Settings = Settings { method: "photon_map", indirect: "global", spp: 16, photons: 40_000 };
-const FINAL_GATHER: Settings = Settings { method: "photon_map", indirect: "final_gather", spp: 16, photons: 40_000 };
-const PATH: Settings = Settings { method: "path", indirect: "path", spp: 256, photons: 1 };
-const PATHS: Settings = Settings { method: "path", indirect: "path", spp: 1024, photons: 1 };
-const LIGHT: Settings = Settings { method: "light", indirect: "path", spp: 1, photons: 200_000 };
+const PHOTON_MAP: Settings =
+    Settings { method: "photon_map", caustics: "photons", indirect: "path", spp: 16, photons: 40_000 };
+/// Photons and eye paths both find caustics of wide lamps.
+const SHARED: Settings = Settings { caustics: "shared", ..PHOTON_MAP };
+/// With footprints half as wide: all light is blurred by them.
+const GLOBAL: Settings = Settings { indirect: "global", photons: 160_000, ..SHARED };
+const FINAL_GATHER: Settings = Settings { indirect: "final_gather", ..SHARED };
+const PATH: Settings = Settings { method: "path", spp: 256, photons: 1, ..PHOTON_MAP };
+const PATHS: Settings = Settings { spp: 1024, ..PATH };
+const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 800_000, ..PHOTON_MAP };
 
-fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
+/// The light's parts, and the classes of paths: each adds up to the beauty.
+const PARTS: [&str; 3] = ["direct", "caustic", "indirect"];
+const CLASSES: [&str; 5] = ["emission", "straight", "focused", "sent_back", "scattered"];
+
+fn world(scene: &str, settings: &Settings, seed: u64) -> World {
     let overrides = [
         ("render.method", format!("\"{}\"", settings.method)),
+        ("render.caustics", format!("\"{}\"", settings.caustics)),
         ("render.indirect", format!("\"{}\"", settings.indirect)),
+        ("render.layers", format!("{:?}", [PARTS.as_slice(), &CLASSES].concat())),
         ("render.spp", settings.spp.to_string()),
         ("render.photons", settings.photons.to_string()),
         ("render.seed", seed.to_string()),
     ]
     .map(|(key, value)| import::Override::new(key, value));
     let loaded = import::load_text("agreement.toml".as_ref(), scene, &overrides).expect("a sound scene");
-    let world = World::new(loaded.scene).expect("a sound world");
-    render::render(&world, &Silent).expect("a sound camera").film.resolve()
+    World::new(loaded.scene).expect("a sound world")
+}
+
+fn picture(scene: &str, settings: &Settings, seed: u64) -> Image {
+    let picture = render::render(&world(scene, settings, seed), &Silent).expect("a sound camera").film.resolve();
+    assert_adds_up(&picture);
+    picture
+}
+
+/// No light is lost, and none counted twice, between the classes of paths, nor between the parts.
+fn assert_adds_up(picture: &Image) {
+    let beauty = picture.rgb("").expect("the beauty");
+    for layers in [PARTS.as_slice(), &CLASSES] {
+        let layers: Vec<_> = layers.iter().map(|layer| picture.rgb(layer).expect("the layer")).collect();
+        for (channel, whole) in beauty.iter().enumerate() {
+            for (pixel, &whole) in whole.iter().enumerate() {
+                let sum: f64 = layers.iter().map(|layer| f64::from(layer[channel][pixel])).sum();
+                let whole = f64::from(whole);
+                assert!((sum - whole).abs() <= 1e-5 * (1.0 + whole), "pixel {pixel}: {sum}, not {whole}");
+            }
+        }
+    }
 }
 
 /// One for each seed.
@@ -312,7 +429,9 @@ fn assert_blocks_agree(pictures: &[Vec<Image>; 2], layer: &str, side: usize) -> 
 
 #[test]
 fn photons_and_eye_paths_agree_on_the_caustic_of_a_ball() {
-    assert!(assert_agree(BALL, &PHOTON_MAP, &PATH, "caustic") > 0.01);
+    for settings in [&PHOTON_MAP, &SHARED] {
+        assert!(assert_agree(BALL, settings, &PATH, "caustic") > 0.01);
+    }
 }
 
 #[test]
@@ -347,12 +466,31 @@ fn photons_and_eye_paths_share_a_room_s_light_out() {
     for half in ["0.5", "0.1"] {
         let room = ROOM.replace("HALF", half);
         let reference = pictures(&room, &PATHS);
-        for settings in [&PHOTON_MAP, &GLOBAL, &FINAL_GATHER] {
+        for settings in [&PHOTON_MAP, &SHARED, &GLOBAL, &FINAL_GATHER] {
             let pictures = [pictures(&room, settings), reference.clone()];
-            for layer in ["direct", "caustic", "indirect"] {
-                println!("lamp {half}, {}: {layer} {}", settings.indirect, means(&pictures, layer));
+            for layer in PARTS.into_iter().chain(CLASSES) {
+                let Settings { caustics, indirect, .. } = settings;
+                println!("lamp {half}, {caustics}, {indirect}: {layer} {}", means(&pictures, layer));
                 assert!(assert_blocks_agree(&pictures, layer, SIDE) > 0.0);
             }
+        }
+    }
+}
+
+/// Two skies of different colour over a pane of glass, which eye paths run into through the pane and over rough gold: both
+/// photons and eye paths bring such light, each to its part.
+#[test]
+fn photons_and_eye_paths_share_the_light_of_a_sky_out() {
+    let reference = pictures(PANE, &PATHS);
+    for settings in [&SHARED, &GLOBAL] {
+        let settings = Settings { spp: 64, photons: 100_000, ..*settings };
+        let plans = emission::plan(&world(PANE, &settings, 0)).caustic.plans;
+        assert_eq!(plans.len(), 2);
+        assert!(plans.iter().all(|plan| plan.eyes_part > 0.1 && plan.eyes_part < 0.9), "{plans:?}");
+        let pictures = [pictures(PANE, &settings), reference.clone()];
+        for layer in PARTS.into_iter().chain(CLASSES) {
+            println!("{}: {layer} {}", settings.indirect, means(&pictures, layer));
+            assert_blocks_agree(&pictures, layer, SIDE);
         }
     }
 }
@@ -373,8 +511,8 @@ fn all_three_agree_on_the_caustic_of_rough_glass() {
 #[test]
 fn all_three_share_a_room_with_a_glossy_ball_out() {
     let room = ROOM.replace("HALF", "0.5").replace("roughness = 0.55", "roughness = 0.4");
-    let both = [&PHOTON_MAP, &PATHS].map(|settings| pictures(&room, settings));
-    for layer in ["direct", "caustic", "indirect"] {
+    let both = [&SHARED, &PATHS].map(|settings| pictures(&room, settings));
+    for layer in PARTS.into_iter().chain(CLASSES) {
         assert!(assert_blocks_agree(&both, layer, SIDE) > 0.0);
     }
     // Light paths cannot be connected to what the eye sees over mirrors and through glass.
@@ -382,7 +520,8 @@ fn all_three_share_a_room_with_a_glossy_ball_out() {
     let rough = "rough_conductor\"\npreset = \"silver\"\nroughness = 0.4";
     let room = opaque.iter().fold(room, |room, kind| room.replace(kind, rough));
     let both = [&PATHS, &LIGHT].map(|settings| pictures(&room, settings));
-    for layer in ["direct", "caustic", "indirect"] {
-        assert!(assert_blocks_agree(&both, layer, SIDE) > 0.0);
+    for layer in PARTS.into_iter().chain(CLASSES) {
+        let is_dark = layer == "emission";
+        assert!((assert_blocks_agree(&both, layer, SIDE) > 0.0) != is_dark);
     }
 }

@@ -56,6 +56,21 @@ albedo = 0.5
     head.to_owned() + &walls.map(wall).concat()
 }
 
+/// Root mean squares over the pixels of how far their expected value is from `exact`, and of their standard deviation.
+fn bias_and_noise(pictures: &[Image], exact: f64) -> [f64; 2] {
+    let reds: Vec<&[f32]> = pictures.iter().map(|picture| picture.rgb("").expect("a picture")[0]).collect();
+    let pixels = reds[0].len();
+    let [mut squares, mut variances] = [0.0; 2];
+    for pixel in 0..pixels {
+        let moments: Moments = reds.iter().map(|red| f64::from(red[pixel])).collect();
+        let error = moments.standard_error();
+        // The mean of so many pictures has noise of its own.
+        squares += (moments.mean - exact).powi(2) - error * error;
+        variances += error * error * pictures.len() as f64;
+    }
+    [squares, variances].map(|sum| (sum.max(0.0) / pixels as f64).sqrt())
+}
+
 /// In a closed box whose walls shine with L and reflect ρ, everything shines with L/(1 − ρ): within half a per cent, edges
 /// and corners in the picture, for every policy of the footprints, whether the eye sees photons straight or over a bounce.
 /// The mean is known to a sixth of that.
@@ -70,8 +85,16 @@ fn a_furnace_is_as_bright_as_it_must_be_with_every_policy() {
                 let [red, _, _] = picture.rgb("").expect("a picture");
                 red.iter().copied().map(f64::from).sum::<f64>() / red.len() as f64
             };
-            let all: Moments = pictures(&furnace, &settings, 12).iter().map(mean).collect();
-            println!("{indirect}, {policy}: {:.4} ± {:.4}, exactly 2", all.mean, all.standard_error());
+            let pictures = pictures(&furnace, &settings, 12);
+            let all: Moments = pictures.iter().map(mean).collect();
+            let [bias, noise] = bias_and_noise(&pictures, 2.0);
+            println!(
+                "{indirect}, {policy}: {:.4} ± {:.4}, exactly 2; of pixels: bias {:.2} %, standard deviation {:.2} %",
+                all.mean,
+                all.standard_error(),
+                50.0 * bias,
+                50.0 * noise
+            );
             assert!(all.standard_error() < 0.0015, "{policy}: {all}");
             assert!((all.mean / 2.0 - 1.0).abs() < 0.005, "{indirect}, {policy}: {all}, not 2");
         }

@@ -8,7 +8,7 @@ use pdembree::math::Vec2;
 use pdembree::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use pdembree::render::exposure::{TILE_SIZE, expose};
 use pdembree::render::eye_path::EyePathTracer;
-use pdembree::render::partition::EyeFinds;
+use pdembree::render::partition::{EyeFinds, EyeTask};
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
@@ -83,7 +83,7 @@ impl Small {
         let watch = Unattended(&Silent);
         let job = Job::new(&self.world, self.camera.clone(), &watch);
         let mut state = RenderState::new(&self.world, self.pixels(), 0);
-        expose(&job, finds, photons, &mut state).expect("nobody stops it");
+        expose(&job, &EyeTask::alone(finds), photons, &mut state).expect("nobody stops it");
         state
     }
 
@@ -97,7 +97,7 @@ impl Small {
         let settings = &self.world.scene.settings;
         let tracer = EyePathTracer {
             world: &self.world,
-            finds: EyeFinds::AllButFocused,
+            task: &EyeTask::alone(EyeFinds::AllButFocused),
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),

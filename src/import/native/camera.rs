@@ -10,8 +10,8 @@ use crate::import::keyed::reader::Section;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraModelDescription};
 use crate::scene::settings::{
-    BackendKind, Bandwidth, BounceFootprint, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape,
-    Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
+    BackendKind, Bandwidth, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect,
+    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
 };
 
 /// Pixels along one side at most.
@@ -177,6 +177,11 @@ pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
             "footprint",
             Choice { names: FootprintRule::NAMES, from_name: FootprintRule::from_name },
             default.footprint,
+        ),
+        caustics: section.or(
+            "caustics",
+            Choice { names: Caustics::NAMES, from_name: Caustics::from_name },
+            default.caustics,
         ),
         indirect: section.or(
             "indirect",
