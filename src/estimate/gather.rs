@@ -93,19 +93,8 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
     if map.photons.is_empty() {
         return vec![Gathered::default(); points.len()];
     }
-    let strata = map.strata();
-    let drawn = |point: &GatherPoint| match point.asks {
-        Asks::All(_) => Gathered::default(),
-        Asks::Drawn(u) => {
-            let slices = strata.len() * map.slices();
-            let drawn = (u * slices as f64) as usize;
-            let (stratum, lanes) = (&strata[drawn % strata.len()], Lanes::every(map.slices(), drawn / strata.len()));
-            let of_all = look_up(map, stratum, lanes, kernel, point);
-            let weight = slices as f64;
-            Gathered { radiance: of_all.radiance * weight, density: of_all.density * weight }
-        }
-    };
-    let mut gathered: Vec<Gathered> = points.iter().map(drawn).collect();
+    let mut gathered = vec![Gathered::default(); points.len()];
+    look_up_drawn(map, kernel, points, &mut gathered);
     let turn = |point: &GatherPoint| match point.asks {
         Asks::All(turn) => Some(turn),
         Asks::Drawn(_) => None,
@@ -116,6 +105,24 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
         splat_all(map, kernel, points, &asking_all, &mut gathered);
     }
     gathered
+}
+
+/// The sums over the slices that points draw, stratum by stratum, of which one at a time is near the processor.
+fn look_up_drawn(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint], gathered: &mut [Gathered]) {
+    let strata = map.strata();
+    let slices = strata.len() * map.slices();
+    let slice = |point: &GatherPoint| match point.asks {
+        Asks::Drawn(u) => Some((u * slices as f64) as usize),
+        Asks::All(_) => None,
+    };
+    let mut drawn: Vec<(usize, usize)> = (0..).zip(points).filter_map(|(i, p)| Some((slice(p)?, i))).collect();
+    drawn.sort_unstable_by_key(|&(slice, i)| (slice % strata.len(), i));
+    for (slice, i) in drawn {
+        let (stratum, lanes) = (&strata[slice % strata.len()], Lanes::every(map.slices(), slice / strata.len()));
+        let of_all = look_up(map, stratum, lanes, kernel, &points[i]);
+        let weight = slices as f64;
+        gathered[i] = Gathered { radiance: of_all.radiance * weight, density: of_all.density * weight };
+    }
 }
 
 /// The sums over all photons: every footprint that may reach one of the points is made ready once and splatted into the

@@ -24,13 +24,11 @@ const ALL: [Layer; 13] = [
 ];
 
 fn sample(direct: f64, caustic: f64, indirect: f64, depth: Option<f64>) -> EyeSample {
-    let mut sample = EyeSample {
-        depth,
-        normal: Vec3::new(0.0, -1.0, 0.5),
-        albedo: Spectrum::rgb(0.1, 0.2, 0.3),
-        photon_density: 8.0,
-        ..EyeSample::default()
-    };
+    let mut sample = EyeSample::default();
+    sample.depth = depth;
+    sample.normal = Vec3::new(0.0, -1.0, 0.5);
+    sample.albedo = Spectrum::rgb(0.1, 0.2, 0.3);
+    sample.photon_density = 8.0;
     for (part, arrival, light) in [
         (Part::Direct, Arrival::Emission, direct),
         (Part::Caustic, Arrival::Focused, caustic),
@@ -66,8 +64,8 @@ fn a_pixel_is_the_mean_of_its_samples_in_every_layer() {
     assert_eq!(names, expected.split(' ').collect::<Vec<_>>());
     let values: Vec<f32> = image.channels.iter().map(|c| c.samples[0]).collect();
     let expected = [
-        2.75, 2.75, 2.75, 0.75, 0.5, 0.5, 0.5, 2.0, 2.0, 2.0, 0.25, 0.25, 0.25, 0.0, -1.0, 0.5, 4.0, 0.1, 0.2, 0.3,
-        8.0, 0.0,
+        2.75, 2.75, 2.75, 0.75, 0.5, 0.5, 0.5, 2.0, 2.0, 2.0, 0.25, 0.25, 0.25, 2.0, 2.0, 2.0, 0.0, 0.0, 0.0, 0.5, 0.5,
+        0.5, 0.25, 0.25, 0.25, 0.0, 0.0, 0.0, 0.0, -1.0, 0.5, 4.0, 0.1, 0.2, 0.3, 8.0, 0.0,
     ];
     assert_eq!(values, expected);
 }
