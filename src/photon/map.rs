@@ -16,10 +16,10 @@ use crate::scene::LightId;
 /// lattice's photons, whose evenness needs all of them at one point, among a pixel's samples.
 const STRATUM_COVERAGE: f64 = 64.0;
 /// At most so many strata.
-const MAX_STRATA: usize = 256;
-/// Footprints over a point that a slice of a stratum keeps: four tenths of their light is noise, less than a diffuse bounce
+const MAX_STRATA: usize = 32;
+/// Footprints over a point that a slice of a stratum keeps: a quarter of their light is noise, less than a diffuse bounce
 /// has by itself.
-const SLICE_COVERAGE: f64 = 6.0;
+const SLICE_COVERAGE: f64 = 16.0;
 /// Photons at which coverage is measured, and photons whose footprints are tried there.
 const COVERAGE_PROBES: usize = 256;
 const COVERAGE_SAMPLE: usize = 16_384;

@@ -33,7 +33,6 @@ pub struct PhotonTracer<'a, const N: usize> {
     spread: Spread,
     /// Semi-axis of a scattered photon's footprint at most, m.
     widest: f64,
-    narrow: f64,
     first_event: FirstEvent,
     bounces: Option<Bounces>,
     sharing: f64,
@@ -48,9 +47,6 @@ pub struct PhotonTracer<'a, const N: usize> {
 
 /// Semi-axis of a scattered photon's footprint at most, in radii of the scene's bounding sphere: what is as wide as a room is even in it.
 const WIDEST: f64 = 0.5;
-
-/// Photons of lamps that are not narrower than that, in the same unit, are mirrored at walls as scattered ones are.
-const NARROW: f64 = 1.0 / 32.0;
 
 /// One of the kinds' lists.
 type Kind = fn(&mut Kinds<Vec<Photon>>) -> &mut Vec<Photon>;
@@ -102,13 +98,11 @@ impl<const N: usize> Branch<N> {
 impl<'a, const N: usize> PhotonTracer<'a, N> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
-        let size = world.scene.bounds.bounding_sphere().1;
         PhotonTracer {
             world,
             limits,
             spread,
-            widest: WIDEST * size,
-            narrow: NARROW * size,
+            widest: WIDEST * world.scene.bounds.bounding_sphere().1,
             first_event: FirstEvent::Delta,
             bounces: None,
             sharing: f64::INFINITY,
@@ -223,9 +217,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             return;
         }
         let mut form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
-        let has_columns = matches!(self.spread, Spread::Columns { .. });
-        let is_scattered = branch.bounces > 0;
-        if has_columns && is_scattered {
+        let is_scattered = branch.bounces > 0 && matches!(self.spread, Spread::Columns { .. });
+        if is_scattered {
             form = form.at_most(self.widest);
         }
         let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
@@ -233,8 +226,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
-        let narrow = if is_scattered { 0.0 } else { self.narrow };
-        if has_columns && form.trace() > narrow * narrow {
+        // Photons that come from a light directly are narrow, and may end in a shadow at a wall.
+        if is_scattered && form.trace() > 0.0 {
             let images = edge::images(self.world, &photon);
             self.counts.edge_images += images.len() as u64;
             list.extend(images);
