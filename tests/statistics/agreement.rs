@@ -464,7 +464,7 @@ fn photons_and_eye_paths_share_a_room_s_light_out() {
     for half in ["0.5", "0.1"] {
         let room = ROOM.replace("HALF", half);
         let reference = pictures(&room, &PATHS);
-        for settings in [&PHOTON_MAP, &SHARED, &GLOBAL, &FINAL_GATHER] {
+        for settings in [&SHARED, &GLOBAL, &FINAL_GATHER] {
             let pictures = [pictures(&room, settings), reference.clone()];
             for layer in PARTS.into_iter().chain(CLASSES) {
                 let Settings { caustics, indirect, .. } = settings;
@@ -502,7 +502,7 @@ fn the_eye_s_part_follows_samples_and_footprints() {
 /// photons and eye paths bring such light, each to its part.
 #[test]
 fn photons_and_eye_paths_share_the_light_of_a_sky_out() {
-    let reference = pictures(PANE, &PATHS);
+    let reference = pictures(PANE, &PATH);
     for settings in [&SHARED, &GLOBAL] {
         let settings = Settings { photons: 100_000, ..*settings };
         let plans = emission::plan(&world(PANE, &settings, 0)).caustic.plans;
