@@ -2,8 +2,9 @@
 //! specular chains followed, and the points where the photon map is asked.
 //!
 //! Where photons own a class of light ([`super::partition`]), the path ends instead of going on to it: at the first delta
-//! event behind a scattering vertex, or at the next surface that scatters. It drops nothing else: E S* L stays its own, and
-//! shadow rays never cross a delta lobe.
+//! event behind a scattering vertex, or at the next surface that scatters; over delta events and glossy surfaces it looks on
+//! for lights whose caustics are partly its own. It drops nothing else: E S* L stays its own, and shadow rays never cross a
+//! delta lobe.
 
 use super::partition::{EyeFinds, EyeTask, Walked};
 use crate::camera::CameraRay;
