@@ -47,9 +47,20 @@ pub enum Asks {
     /// All of them; or, of those whose footprints are much wider than the pixel, the point's share in turn with the
     /// pixel's other samples.
     All(Turn),
-    /// The slice of a stratum that this number in [0, 1) draws, for all: unbiased, and enough behind a diffuse bounce,
-    /// whose own noise is greater.
-    Drawn(f64),
+    /// Those that were scattered at most `bounces_left` times: what the eye's own bounces leave of a path's. The slice of
+    /// a stratum that `u` in [0, 1) draws answers for all: unbiased, and enough behind a diffuse bounce, whose own noise is
+    /// greater.
+    Drawn { u: f64, bounces_left: u32 },
+}
+
+impl Asks {
+    /// Whether the photon's path and the eye's together are none too long.
+    pub fn admits(&self, photon: &Photon) -> bool {
+        match *self {
+            Asks::All(_) => true,
+            Asks::Drawn { bounces_left, .. } => photon.bounces() <= bounces_left,
+        }
+    }
 }
 
 /// A point's place among the samples of its pixel.
@@ -97,7 +108,7 @@ pub fn gather(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint]) -> V
     look_up_drawn(map, kernel, points, &mut gathered);
     let turn = |point: &GatherPoint| match point.asks {
         Asks::All(turn) => Some(turn),
-        Asks::Drawn(_) => None,
+        Asks::Drawn { .. } => None,
     };
     let asking_all: Vec<(usize, Turn)> = (0..).zip(points).filter_map(|(i, p)| Some((i, turn(p)?))).collect();
     if let Some(&(_, Turn { of, .. })) = asking_all.first() {
@@ -112,7 +123,7 @@ fn look_up_drawn(map: &PhotonMap, kernel: KernelShape, points: &[GatherPoint], g
     let strata = map.strata();
     let slices = strata.len() * map.slices();
     let slice = |point: &GatherPoint| match point.asks {
-        Asks::Drawn(u) => Some((u * slices as f64) as usize),
+        Asks::Drawn { u, .. } => Some((u * slices as f64) as usize),
         Asks::All(_) => None,
     };
     let mut drawn: Vec<(usize, usize)> = (0..).zip(points).filter_map(|(i, p)| Some((slice(p)?, i))).collect();
@@ -167,7 +178,7 @@ fn splat_all(
     for group in &taking_turns {
         group.add_to(gathered, |point| match point.asks {
             Asks::All(turn) => turn.group(groups).1,
-            Asks::Drawn(_) => 0.0,
+            Asks::Drawn { .. } => 0.0,
         });
     }
 }
@@ -189,8 +200,11 @@ fn look_up(map: &PhotonMap, stratum: &Stratum, lanes: Lanes, kernel: KernelShape
             if level == 0 { over.and(self.lanes) } else { over }
         }
         fn visit(&mut self, j: usize) -> ControlFlow<()> {
-            self.weighed += 1;
             let photon = &self.photons[j];
+            if !self.point.asks.admits(photon) {
+                return ControlFlow::Continue(());
+            }
+            self.weighed += 1;
             let weight = pair::weight(photon, self.kernel, self.point);
             if weight > 0.0 {
                 self.sum.radiance += Radiance(pair::reflected(photon, self.point) * weight);
@@ -215,7 +229,7 @@ mod tests {
     use crate::photon::{PhotonCounts, PhotonHarvest};
     use crate::radiometry::{Flux, Spectrum};
     use crate::sampling::{Purpose, Stream};
-    use crate::scene::{LightId, ObjectId};
+    use crate::scene::LightId;
     use crate::surface::test_support::lambert_at;
     use std::f64::consts::PI;
 
@@ -237,7 +251,7 @@ mod tests {
     /// A photon of 1 W arriving along `-wi` at `p` on a plane with normal `n`, its semi-axes given in the plane z = 0.
     fn photon(p: Point3, wi: Vec3, n: Normal3, axes: [Vec3; 2]) -> Photon {
         let form = TangentForm::from_axes(&Photon::frame_of(n), axes);
-        Photon::new(p, Dir3::new(wi).expect("non-zero"), n, Flux(Spectrum::ONE), form, ObjectId(0))
+        Photon::new(p, Dir3::new(wi).expect("non-zero"), n, Flux(Spectrum::ONE), form, 0)
     }
 
     fn point(p: Point3, n: Normal3, eye: [Vec3; 2]) -> GatherPoint {
@@ -287,7 +301,7 @@ mod tests {
         let all = gather(&map, KernelShape::Triweight, &[centre])[0];
         let drawn: Vec<f64> = (0..slices)
             .map(|k| {
-                centre.asks = Asks::Drawn((k as f64 + 0.5) / slices as f64);
+                centre.asks = Asks::Drawn { u: (k as f64 + 0.5) / slices as f64, bounces_left: 0 };
                 gather(&map, KernelShape::Triweight, &[centre])[0].density
             })
             .collect();

@@ -49,7 +49,8 @@ impl<'a> NearestPhotons<'a> {
         for neighbour in &disc.photons {
             let photon = &self.map.photons[neighbour.item as usize];
             // The k-th photon lies on the edge, where kernels that do not vanish leave it out.
-            if neighbour.distance >= disc.radius2 || point.ng.dot(photon.normal()) < MIN_NORMAL_COSINE {
+            let elsewhere = neighbour.distance >= disc.radius2 || point.ng.dot(photon.normal()) < MIN_NORMAL_COSINE;
+            if elsewhere || !point.asks.admits(photon) {
                 continue;
             }
             let weight = kernel::evaluate(kernel, neighbour.distance / disc.radius2) / disc.radius2;
@@ -115,7 +116,7 @@ mod tests {
     use crate::photon::{Photon, PhotonCounts, PhotonHarvest};
     use crate::radiometry::{Flux, Spectrum};
     use crate::sampling::{Purpose, Stream};
-    use crate::scene::{LightId, ObjectId};
+    use crate::scene::LightId;
     use crate::surface::test_support::lambert_at;
 
     fn map(photons: Vec<Photon>) -> PhotonMap {
@@ -145,7 +146,7 @@ mod tests {
         let photons = (0..3000)
             .map(|_| {
                 let p = Point3::new(s.uniform().powi(3), s.uniform(), 0.0);
-                Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), ObjectId(0))
+                Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), 0)
             })
             .collect();
         let map = map(photons);
@@ -169,7 +170,7 @@ mod tests {
         let photons = (0..n)
             .map(|_| {
                 let p = Point3::new(s.uniform(), s.uniform(), 0.0);
-                Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), ObjectId(0))
+                Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), TangentForm::default(), 0)
             })
             .collect();
         let map = map(photons);

@@ -166,7 +166,7 @@ fn widest_eye(point: &GatherPoint) -> f64 {
 fn shared_above(point: &GatherPoint) -> f64 {
     let samples = match point.asks {
         Asks::All(turn) => f64::from(turn.of),
-        Asks::Drawn(_) => 1.0,
+        Asks::Drawn { .. } => 1.0,
     };
     WIDE * WIDE * samples * widest_eye(point)
 }

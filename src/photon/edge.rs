@@ -134,7 +134,6 @@ mod tests {
     use crate::import;
     use crate::math::Normal3;
     use crate::radiometry::{Flux, Spectrum};
-    use crate::scene::ObjectId;
 
     /// The corner of a floor, z = 0, and two walls, x = 0 and y = 0, of a metre's height.
     fn corner() -> World {
@@ -156,7 +155,7 @@ mod tests {
 
     fn photon(p: [f64; 2], radius: f64) -> Photon {
         let form = TangentForm { xx: radius * radius, xy: 0.0, yy: radius * radius };
-        Photon::new(Point3::new(p[0], p[1], 0.0), Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), form, ObjectId(0))
+        Photon::new(Point3::new(p[0], p[1], 0.0), Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), form, 0)
     }
 
     #[test]

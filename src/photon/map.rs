@@ -208,7 +208,6 @@ mod tests {
     use crate::photon::footprint::TangentForm;
     use crate::radiometry::{Flux, Spectrum};
     use crate::sampling::{Purpose, Stream};
-    use crate::scene::ObjectId;
 
     fn photons(n: usize, width: f64) -> Vec<Photon> {
         let mut s = Stream::new(8, Purpose::Test, 0, 0);
@@ -216,7 +215,7 @@ mod tests {
             let p = Point3::new(s.uniform(), s.uniform(), 0.0);
             let axis = width * 10f64.powf(s.uniform());
             let form = TangentForm { xx: axis * axis, xy: 0.0, yy: axis * axis };
-            Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), form, ObjectId(0))
+            Photon::new(p, Dir3::Z, Normal3::Z, Flux(Spectrum::ONE), form, 0)
         };
         (0..n).map(|_| photon()).collect()
     }

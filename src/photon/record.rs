@@ -3,7 +3,6 @@
 use super::footprint::TangentForm;
 use crate::math::{Dir3, Frame, Normal3, Point3, Vec3, float};
 use crate::radiometry::{Flux, Spectrum};
-use crate::scene::ObjectId;
 
 /// A photon where it met a surface that scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +17,8 @@ pub struct Photon {
     normal: [f32; 3],
     /// (xx, xy, yy) in the frame that [`Frame::from_unit`] makes of the stored normal.
     form: [f32; 3],
-    object: u32,
+    /// How often a surface scattered it on its way.
+    bounces: u32,
 }
 
 /// A receiver of radius of curvature R rises by h²/2R over a footprint of width h: a tenth covers h up to R/5.
@@ -33,14 +33,14 @@ const _: () = assert!(size_of::<Photon>() == 64);
 
 impl Photon {
     /// `form` is in the axes of [`Photon::frame_of`] the same normal.
-    pub fn new(p: Point3, wi: Dir3, normal: Normal3, flux: Flux, form: TangentForm, object: ObjectId) -> Photon {
+    pub fn new(p: Point3, wi: Dir3, normal: Normal3, flux: Flux, form: TangentForm, bounces: u32) -> Photon {
         Photon {
             position: p.as_vec3().to_array(),
             flux: flux.0.to_array().map(|c| c as f32),
             wi: wi.as_vec3().to_array(),
             normal: normal.as_vec3().to_array(),
             form: [form.xx as f32, form.xy as f32, form.yy as f32],
-            object: object.0,
+            bounces,
         }
     }
     /// The tangent frame in which a photon on a surface with this normal keeps its footprint: that of the normal as
@@ -78,8 +78,9 @@ impl Photon {
         let cos = wi.dot(n);
         if cos.abs() < MIN_SLIDE_COSINE { n } else { wi / cos }
     }
-    pub fn object(&self) -> ObjectId {
-        ObjectId(self.object)
+    /// How often a surface scattered it, by a wide lobe, before this one.
+    pub fn bounces(&self) -> u32 {
+        self.bounces
     }
     /// The same light elsewhere on the same plane.
     pub fn moved(&self, p: Point3, flux: Flux, form: TangentForm) -> Photon {
@@ -91,7 +92,7 @@ impl Photon {
     pub fn bits(&self) -> [u32; 16] {
         let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] =
             [self.position, self.flux, self.wi, self.normal, self.form].map(|v| v.map(f32::to_bits));
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, self.object]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, self.bounces]
     }
 }
 

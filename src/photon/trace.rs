@@ -222,7 +222,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             form = form.at_most(self.widest);
         }
         let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
-        let photon = Photon::new(si.p, -branch.w, si.ng, flux, form, si.object);
+        let photon = Photon::new(si.p, -branch.w, si.ng, flux, form, branch.bounces);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;

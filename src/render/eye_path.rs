@@ -301,7 +301,11 @@ impl EyePathTracer<'_> {
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
         let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
-        let asks = if walk.bounces == 0 { Asks::All(walk.turn) } else { Asks::Drawn(stream.uniform()) };
+        let bounces_left = self.max_bounces.saturating_sub(walk.bounces);
+        let asks = match walk.bounces {
+            0 => Asks::All(walk.turn),
+            _ => Asks::Drawn { u: stream.uniform(), bounces_left },
+        };
         let scattered = bsdf.is_diffuse() && self.task.finds.leaves_scattered(walk.bounces);
         let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
         Query { point, beta: walk.beta, first, scattered, straight: walk.walked.straight_at(bsdf.is_glossy()) }

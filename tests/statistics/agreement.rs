@@ -546,3 +546,18 @@ fn all_three_share_a_room_with_a_glossy_ball_out() {
         assert!((assert_blocks_agree(&both, layer, SIDE) > 0.0) != is_dark);
     }
 }
+
+/// `max_bounces` limits the bounces of the eye and of the photon together. What the eye gathers behind its own one bounce
+/// has had none: so often scattered as the photons are here, other light would be some eight hundredths too much.
+#[test]
+fn photons_and_eye_paths_count_their_bounces_together() {
+    let room = ROOM.replace("HALF", "0.5").replace("max_bounces = 8", "max_bounces = 1");
+    let reference = pictures(&room, &PATHS);
+    for settings in [&SHARED, &GLOBAL, &FINAL_GATHER] {
+        let pictures = [pictures(&room, settings), reference.clone()];
+        for layer in PARTS.into_iter().chain(CLASSES) {
+            println!("{}: {layer} {}", settings.indirect, means(&pictures, layer));
+            assert_blocks_agree(&pictures, layer, SIDE);
+        }
+    }
+}
