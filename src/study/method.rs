@@ -43,7 +43,7 @@ struct Preset {
 
 /// What the published methods fix. Epanechnikov's kernel is the one of `[Schjoth07]` for both of its methods, and the
 /// best for random photons; even emission is at its best under the smoother default.
-const PRESETS: [Preset; 8] = [
+const PRESETS: [Preset; 11] = [
     Preset {
         name: "knn",
         parameter: Some(Parameter::Neighbours),
@@ -72,6 +72,21 @@ const PRESETS: [Preset; 8] = [
             ("passes", "16"),
             ("spp", "1"),
         ],
+    },
+    Preset {
+        name: "knn-global",
+        parameter: Some(Parameter::Neighbours),
+        settings: &[("estimator", "knn"), ("emission", "random"), ("kernel", "epanechnikov"), ("indirect", "global")],
+    },
+    Preset {
+        name: "pd-global",
+        parameter: Some(Parameter::Scale),
+        settings: &[("emission", "lattice"), ("indirect", "global")],
+    },
+    Preset {
+        name: "final-gather",
+        parameter: Some(Parameter::Scale),
+        settings: &[("emission", "lattice"), ("indirect", "final_gather")],
     },
     Preset { name: "path", parameter: None, settings: &[("method", "path")] },
     Preset { name: "light", parameter: None, settings: &[("method", "light"), ("emission", "random")] },
