@@ -10,6 +10,7 @@ use super::order::{self, ZCurve};
 use super::path::PhotonCounts;
 use super::record::Photon;
 use crate::math::{Bounds3, Vec3};
+use crate::radiometry::Flux;
 use crate::scene::LightId;
 
 /// Footprints over a point that a stratum keeps: their mean is then known to some ten per cent. Fewer would part a
@@ -113,6 +114,11 @@ impl PhotonMap {
     /// How many slices a stratum has: lane l of all nodes of its tree belongs to slice l modulo this, of 1, 2, 4 or 8.
     pub fn slices(&self) -> usize {
         self.slices
+    }
+
+    /// Of all photons.
+    pub fn flux(&self) -> Flux {
+        self.photons.iter().map(Photon::flux).sum()
     }
 
     /// Bytes of photons and trees.

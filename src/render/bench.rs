@@ -8,13 +8,13 @@ use std::time::Instant;
 use serde::Serialize;
 
 use super::partition::EyeTask;
+use super::photon_light::PhotonLight;
 use super::progress::Silent;
 use super::unit::{NoThread, on_one_thread, threads};
 use super::watch::{Stopped, Unattended};
 use super::{BadCamera, Job, RenderState, emission, exposure, photon_map};
 use crate::backend::{self, Backend, Query, Recorded, RecordingBackend};
 use crate::camera::Camera;
-use crate::estimate::Estimate;
 use crate::film::PixelBounds;
 use crate::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use crate::scene::Scene;
@@ -151,7 +151,7 @@ impl Standard {
         let photons = plain.map(PhotonHarvest::into_map);
         let settings = &world.scene.settings;
         let ((), picture) = timed(|| expose(world, camera, &plans, None));
-        let (trees, map) = timed(|| photons.as_ref().map(|map| Estimate::new(map, settings, 0)));
+        let (trees, map) = timed(|| PhotonLight::of_pass(&photons, settings, 0));
         let ((), estimate) = timed(|| expose(world, camera, &plans, Some(&trees)));
         Standard {
             photons: [with_columns, without],
@@ -175,7 +175,7 @@ fn harvest(world: &World, plans: &Kinds<Population>) -> Kinds<PhotonHarvest> {
 }
 
 /// The picture of pass 0, thrown away.
-fn expose(world: &World, camera: &Camera, plans: &Kinds<Population>, photons: Option<&Kinds<Estimate>>) {
+fn expose(world: &World, camera: &Camera, plans: &Kinds<Population>, photons: Option<&PhotonLight>) {
     let unattended = Unattended(&Silent);
     let job = Job::new(world, camera.clone(), &unattended);
     let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
@@ -219,8 +219,8 @@ impl Run {
         end(2);
         expose(world, camera, &plans, None);
         end(3);
-        let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, 0));
-        expose(world, camera, &plans, Some(&estimates));
+        let photons = PhotonLight::of_pass(&maps, &world.scene.settings, 0);
+        expose(world, camera, &plans, Some(&photons));
         end(4);
         seconds[4] = (seconds[4] - seconds[3]).max(0.0);
         let of_both = |of: &dyn Fn(&PhotonMap) -> u64| maps.as_ref().into_array().into_iter().map(of).sum();

@@ -2,14 +2,14 @@
 
 use super::eye_path::{EyePathTracer, Query};
 use super::partition::EyeTask;
+use super::photon_light::PhotonLight;
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::camera::{Camera, filter_offset};
-use crate::estimate::{Estimate, GatherPoint, Turn, bandwidth};
-use crate::film::{self, Arrival, EyeSample, LightKind, Part, PixelBounds, Tile};
+use crate::estimate::{Turn, bandwidth};
+use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
-use crate::photon::Kinds;
 use crate::sampling::PixelSamples;
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::scene::RenderSettings;
@@ -37,7 +37,7 @@ fn eye_radius(settings: &RenderSettings, pass: u32) -> f64 {
 pub fn expose(
     job: &Job,
     task: &EyeTask,
-    photons: Option<&Kinds<Estimate>>,
+    photons: Option<&PhotonLight>,
     state: &mut RenderState,
 ) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
@@ -87,7 +87,7 @@ struct Exposure<'a> {
     pass: u32,
     settings: &'a RenderSettings,
     tracer: EyePathTracer<'a>,
-    photons: Option<&'a Kinds<Estimate<'a>>>,
+    photons: Option<&'a PhotonLight<'a>>,
 }
 
 impl Exposure<'_> {
@@ -107,7 +107,7 @@ impl Exposure<'_> {
             }
         }
         if let Some(photons) = self.photons {
-            add_photons(photons, &queries, &owners, &mut samples);
+            photons.add(&queries, &owners, &mut samples);
         }
         for (x, y, sample) in &samples {
             tile.add(*x, *y, sample);
@@ -133,36 +133,5 @@ impl Exposure<'_> {
         // The path knows distances; the layer is depth along the view axis.
         sample.depth = sample.depth.map(|t| self.camera.depth(ray.ray.at(t)));
         sample
-    }
-}
-
-/// Adds the photons' light at all queries of a tile.
-fn add_photons(photons: &Kinds<Estimate>, queries: &[Query], owners: &[usize], samples: &mut [(u32, u32, EyeSample)]) {
-    let points: Vec<GatherPoint> = queries.iter().map(|q| q.point).collect();
-    let Kinds { caustic, onward, bounced, onward_scattered, scattered } = photons;
-    let [caustic, onward, bounced] = [caustic, onward, bounced].map(|estimate| estimate.gather(&points));
-    for (i, (query, &owner)) in queries.iter().zip(owners).enumerate() {
-        let sample = &mut samples[owner].2;
-        for (part, here, light) in [
-            (Part::Caustic, Arrival::Focused, &caustic[i]),
-            (Part::Caustic, Arrival::SentBack, &onward[i]),
-            (Part::Indirect, Arrival::SentBack, &bounced[i]),
-        ] {
-            sample.add(LightKind { part, arrival: query.arrival(here) }, query.beta * light.radiance.0);
-        }
-        if query.first {
-            sample.photon_density = caustic[i].density;
-        }
-    }
-    // Not all points ask for light that comes straight from a surface that scatters.
-    let asking: Vec<(&Query, usize)> =
-        queries.iter().zip(owners.iter().copied()).filter(|(q, _)| q.scattered).collect();
-    let points: Vec<GatherPoint> = asking.iter().map(|(query, _)| query.point).collect();
-    let [onward, scattered] = [onward_scattered, scattered].map(|estimate| estimate.gather(&points));
-    for (i, (query, owner)) in asking.into_iter().enumerate() {
-        for (part, light) in [(Part::Caustic, &onward[i]), (Part::Indirect, &scattered[i])] {
-            let kind = LightKind { part, arrival: query.arrival(Arrival::Scattered) };
-            samples[owner].2.add(kind, query.beta * light.radiance.0);
-        }
     }
 }

@@ -13,6 +13,7 @@ pub mod light_trace;
 pub mod memory;
 pub mod mis;
 pub mod partition;
+pub mod photon_light;
 pub mod photon_map;
 pub mod progress;
 pub mod store;

@@ -3,11 +3,12 @@
 use super::emission::{self, limits};
 use super::exposure::expose;
 use super::partition::EyeTask;
+use super::photon_light::PhotonLight;
 use super::progress::Progress;
 use super::unit::{run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
 use super::{Job, RenderState};
-use crate::estimate::{Estimate, bandwidth};
+use crate::estimate::bandwidth;
 use crate::photon::footprint::Spread;
 use crate::photon::{
     EmissionUnit, FirstEvent, Kinds, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Population,
@@ -23,8 +24,8 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
     let plans = job.plans.get_or_init(|| emission::plan(world));
     let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
-    let estimates = maps.as_ref().map(|map| Estimate::new(map, &world.scene.settings, pass));
-    expose(job, &EyeTask::beside(world, plans), Some(&estimates), state)?;
+    let photons = PhotonLight::of_pass(&maps, &world.scene.settings, pass);
+    expose(job, &EyeTask::beside(world, plans), Some(&photons), state)?;
     state.report.add_maps(&maps);
     Ok(())
 }

@@ -31,9 +31,13 @@ fn nearest(bencher: Bencher, scene: &str) {
 
 fn gather(bencher: Bencher, small: &Small) {
     let (maps, seen) = (small.maps(), small.seen());
-    let estimates = small.estimates(&maps);
-    let points: usize = seen.iter().map(|tile| tile.points.len()).sum();
-    let tile = |tile: &Seen| estimates.as_ref().map(|estimate| estimate.gather(&tile.points).len());
-    let all = || seen.iter().map(|seen| tile(seen).caustic).sum::<usize>();
+    let light = small.light(&maps);
+    let points: usize = seen.iter().map(|tile| tile.queries.len()).sum();
+    let tile = |tile: &Seen| {
+        let mut samples = tile.samples.clone();
+        light.add(&tile.queries, &tile.owners, &mut samples);
+        samples.len()
+    };
+    let all = || seen.iter().map(tile).sum::<usize>();
     bencher.counter(ItemsCount::new(points)).bench_local(|| alone(all));
 }

@@ -56,7 +56,7 @@ fn run(scene: &str, folder: &Path) {
     a_phase_ends_here();
     let without = small.expose(EyeFinds::AllButFocused, None);
     a_phase_ends_here();
-    let with = small.expose(EyeFinds::AllButFocused, Some(&small.estimates(&maps)));
+    let with = small.expose(EyeFinds::AllButFocused, Some(&small.light(&maps)));
     a_phase_ends_here();
     let seen = small.seen();
     a_phase_ends_here();

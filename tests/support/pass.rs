@@ -1,14 +1,15 @@
 //! A pass of a small scene in its steps, for benches: what the conductors of `render` do, on one thread.
 
 use pdembree::camera::{Camera, filter_offset};
-use pdembree::estimate::{Estimate, GatherPoint, Turn};
+use pdembree::estimate::Turn;
 use pdembree::film::{EyeSample, Film, PixelBounds, Tile};
 use pdembree::import::{Override, load};
 use pdembree::math::Vec2;
 use pdembree::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
 use pdembree::render::exposure::{TILE_SIZE, expose};
-use pdembree::render::eye_path::EyePathTracer;
+use pdembree::render::eye_path::{EyePathTracer, Query};
 use pdembree::render::partition::{EyeFinds, EyeTask};
+use pdembree::render::photon_light::PhotonLight;
 use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
@@ -33,7 +34,9 @@ pub struct Seen {
     pub bounds: PixelBounds,
     pub samples: Vec<(u32, u32, EyeSample)>,
     /// Where photons are asked.
-    pub points: Vec<GatherPoint>,
+    pub queries: Vec<Query>,
+    /// Which sample each query belongs to.
+    pub owners: Vec<usize>,
 }
 
 impl Small {
@@ -74,12 +77,12 @@ impl Small {
         self.harvest(&emission::plan(&self.world)).map(PhotonHarvest::into_map)
     }
 
-    pub fn estimates<'a>(&'a self, maps: &'a Kinds<PhotonMap>) -> Kinds<Estimate<'a>> {
-        maps.as_ref().map(|map| Estimate::new(map, &self.world.scene.settings, 0))
+    pub fn light<'a>(&'a self, maps: &'a Kinds<PhotonMap>) -> PhotonLight<'a> {
+        PhotonLight::of_pass(maps, &self.world.scene.settings, 0)
     }
 
     /// The whole picture; photons' light is in it where there is an estimate.
-    pub fn expose(&self, finds: EyeFinds, photons: Option<&Kinds<Estimate>>) -> RenderState {
+    pub fn expose(&self, finds: EyeFinds, photons: Option<&PhotonLight>) -> RenderState {
         let watch = Unattended(&Silent);
         let job = Job::new(&self.world, self.camera.clone(), &watch);
         let mut state = RenderState::new(&self.world, self.pixels(), 0);
@@ -102,7 +105,7 @@ impl Small {
             max_bounces: settings.max_bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
         };
-        let (mut samples, mut queries) = (Vec::new(), Vec::new());
+        let (mut samples, mut queries, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for y in bounds.y0..bounds.y1 {
             for x in bounds.x0..bounds.x1 {
                 let number = u64::from(y * self.pixels().width() + x);
@@ -115,10 +118,11 @@ impl Small {
                     let stream = PixelSamples::stream(settings.seed, 0, number, index);
                     let turn = Turn { index, of: settings.spp };
                     samples.push((x, y, tracer.trace(&ray, &start, turn, stream, &mut queries)));
+                    owners.resize(queries.len(), samples.len() - 1);
                 }
             }
         }
-        Seen { bounds, samples, points: queries.into_iter().map(|query| query.point).collect() }
+        Seen { bounds, samples, queries, owners }
     }
 
     /// An empty film.
