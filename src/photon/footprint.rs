@@ -2,9 +2,13 @@
 //!
 //! The kernel's support is { d : dᵀ Q⁻¹ d ≤ 1 }, its area π √det Q.
 
-use crate::differential::Differential;
+use crate::differential::{Differential, ShapeOperator};
 use crate::math::{Frame, Vec2, Vec3};
 use crate::scene::settings::FootprintRule;
+
+/// Semi-axes at most, in radii of curvature: a surface rises by half the square of it over its tangent plane, which is as
+/// high as a photon's light reaches ([`super::Photon::thickness`]).
+const MAX_BEND: f64 = 0.2;
 
 /// A symmetric positive semi-definite form on a tangent plane, in the axes (t, b) of a [`Frame`].
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -48,6 +52,18 @@ impl TangentForm {
         let (a, b) = (major.min(limit), minor.min(limit));
         let (x, y) = (along.x, along.y);
         TangentForm { xx: a * x * x + b * y * y, xy: (a - b) * x * y, yy: a * y * y + b * x * x }
+    }
+    /// The ellipse on a surface that bends by `shape`: (Q⁻¹ + B)⁻¹, B = SᵀS/c², so that no semi-axis is longer than c times
+    /// the surface's radius of curvature along it, and what is much shorter stays as it is.
+    pub fn on_curved(self, frame: &Frame, shape: &ShapeOperator) -> TangentForm {
+        let [t, b] = [frame.t, frame.b].map(|axis| frame.project(shape.apply(axis)) / MAX_BEND);
+        let bend = TangentForm { xx: t.length_squared(), xy: t.dot(b), yy: b.length_squared() };
+        // Without inverses, which a fold does not have: (Q + det Q · adj B)/det(1 + Q B).
+        let determinant = self.determinant().max(0.0);
+        let product = self.xx * bend.xx + 2.0 * self.xy * bend.xy + self.yy * bend.yy;
+        let adjugate = TangentForm { xx: bend.yy, xy: -bend.xy, yy: bend.xx };
+        let limited = self.plus(adjugate.scaled(determinant));
+        limited.scaled(1.0 / (1.0 + product + determinant * bend.determinant().max(0.0)))
     }
     /// R Q Rᵀ, R the mirror image across the line at right angles to the unit vector `e`.
     pub fn mirrored(&self, e: Vec2) -> TangentForm {
@@ -191,6 +207,26 @@ mod tests {
         }
         let point = TangentForm::default().principal();
         assert_eq!(point, ([0.0, 0.0], Vec2::X));
+    }
+
+    /// On a cylinder the ellipse is limited across it and not along it; a small one is not, nor one without area; on a plane
+    /// none is.
+    #[test]
+    fn bent_surfaces_limit_footprints_along_their_bend() {
+        let frame = Frame::from_unit(Normal3::Z);
+        let radius = 2.0;
+        let across = frame.t;
+        let bend = |v: Vec3| across * (across.dot(v) / radius);
+        let shape = ShapeOperator::from_matrix(glam::DMat3::from_cols(bend(Vec3::X), bend(Vec3::Y), bend(Vec3::Z)));
+        let form = |a: f64, b: f64| TangentForm::from_axes(&frame, [frame.t * a, frame.b * b]);
+        let wide = form(100.0, 3.0).on_curved(&frame, &shape);
+        assert!((wide.along(Vec2::X).sqrt() - MAX_BEND * radius).abs() < 1e-4, "{wide:?}");
+        assert!((wide.along(Vec2::Y) - 9.0).abs() < 1e-12 && wide.xy.abs() < 1e-12, "{wide:?}");
+        let narrow = form(1e-3, 1e-3).on_curved(&frame, &shape);
+        assert!((narrow.determinant().sqrt() / 1e-6 - 1.0).abs() < 1e-5, "{narrow:?}");
+        let fold = form(100.0, 0.0).on_curved(&frame, &shape);
+        assert!((fold.along(Vec2::X).sqrt() - MAX_BEND * radius).abs() < 1e-4 && fold.determinant().abs() < 1e-12);
+        assert_eq!(form(3.0, 2.0).on_curved(&frame, &ShapeOperator::FLAT), form(3.0, 2.0));
     }
 
     #[test]

@@ -216,8 +216,13 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.broken_flux += 1;
             return;
         }
-        let mut form = self.spread.footprint(columns, &Photon::frame_of(si.ng));
-        let is_scattered = branch.bounces > 0 && matches!(self.spread, Spread::Columns { .. });
+        let frame = Photon::frame_of(si.ng);
+        let mut form = self.spread.footprint(columns, &frame);
+        let has_columns = matches!(self.spread, Spread::Columns { .. });
+        if has_columns {
+            form = form.on_curved(&frame, &si.shape);
+        }
+        let is_scattered = branch.bounces > 0 && has_columns;
         if is_scattered {
             form = form.at_most(self.widest);
         }
