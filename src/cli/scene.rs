@@ -18,7 +18,7 @@ use super::problems;
 
 #[derive(clap::Args)]
 pub struct SceneArgs {
-    /// Scene file (TOML)
+    /// Scene file (TOML, glTF)
     pub scene: PathBuf,
     /// Override one value of the scene file, for example -D materials.glass.ior=1.33 (repeatable)
     #[arg(short = 'D', long = "define", value_name = "KEY=VALUE", value_parser = define)]

@@ -9,7 +9,7 @@ use ::image::{DynamicImage, ImageFormat, ImageReader, Limits};
 
 use super::read_bytes;
 use crate::scene::error::{Problem, Source};
-use crate::scene::texture::{ImageTexture, Wrap};
+use crate::scene::texture::{ImageTexture, Placement, Wrap};
 
 /// Bytes of an image file.
 const MAX_FILE: u64 = 2 << 30;
@@ -43,14 +43,34 @@ impl ColourSpace {
 /// # Errors
 /// A file that cannot be read, is no such image, is truncated, too large, or has a texel that is negative or not finite.
 pub fn read(path: &Path, space: Option<ColourSpace>, wrap: Wrap) -> Result<ImageTexture, Problem> {
-    let bytes = read_bytes(path, MAX_FILE)?;
-    decode(path, &bytes, space, wrap).map_err(|what| {
+    from_bytes(path, &read_file(path)?, space, [wrap; 2])
+}
+
+/// The bytes of an image file.
+///
+/// # Errors
+/// A file that cannot be read or is too long.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+    read_bytes(path, MAX_FILE)
+}
+
+/// Like [`read`] with the content of the file at hand.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn from_bytes(
+    path: &Path,
+    bytes: &[u8],
+    space: Option<ColourSpace>,
+    wrap: [Wrap; 2],
+) -> Result<ImageTexture, Problem> {
+    decode(path, bytes, space, wrap).map_err(|what| {
         let problem = Problem::new(format!("cannot use the image: {what}")).at(&Source::file(path));
         problem.help("images are whole PNG, JPEG, TIFF, Radiance HDR or OpenEXR files of at most 2^27 texels")
     })
 }
 
-fn decode(path: &Path, bytes: &[u8], space: Option<ColourSpace>, wrap: Wrap) -> Result<ImageTexture, String> {
+fn decode(path: &Path, bytes: &[u8], space: Option<ColourSpace>, wrap: [Wrap; 2]) -> Result<ImageTexture, String> {
     const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
     let decoded = if bytes.starts_with(&EXR_MAGIC) { decode_exr(bytes)? } else { decode_other(path, bytes)? };
     let Decoded { width, height, mut texels, default_space } = decoded;
@@ -63,7 +83,7 @@ fn decode(path: &Path, bytes: &[u8], space: Option<ColourSpace>, wrap: Wrap) -> 
     if space.unwrap_or(default_space) == ColourSpace::Srgb {
         texels.as_flattened_mut().iter_mut().for_each(|c| *c = srgb_to_linear(*c));
     }
-    Ok(ImageTexture { width, height, texels, wrap })
+    Ok(ImageTexture { width, height, texels, wrap, placement: Placement::IDENTITY })
 }
 
 struct Decoded {

@@ -4,6 +4,7 @@
 //! knows assembly too.
 
 mod assets;
+pub mod gltf;
 pub mod image;
 pub(crate) mod keyed;
 pub mod mesh_file;
@@ -17,6 +18,7 @@ use std::path::Path;
 
 use crate::scene::Scene;
 use crate::scene::assemble::assemble;
+use crate::scene::description::SceneDescription;
 use crate::scene::error::{Problem, Problems};
 
 /// A scene file is text that somebody wrote; anything this long is something else.
@@ -33,11 +35,14 @@ pub struct Loaded {
     pub warnings: Vec<Problem>,
 }
 
-/// Reads the scene file `path` with `overrides` laid over it, the files that it names, and assembles the scene.
+/// Reads the scene file `path`, TOML or glTF by its name, with `overrides` laid over it, the files that it names, and assembles the scene.
 ///
 /// # Errors
 /// Everything that is wrong with the scene, each with its file, line and column where there is one.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
+    if gltf::is_gltf(path) {
+        return finish(native::describe_gltf(path, overrides)?);
+    }
     let text = read_scene_text(path)?;
     load_text(path, &text, overrides)
 }
@@ -47,7 +52,11 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
 /// # Errors
 /// As [`load`].
 pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Loaded, Problems> {
-    let (description, mut problems) = native::describe(path, text, overrides);
+    finish(native::describe(path, text, overrides))
+}
+
+/// Assembles what was described, and puts the problems of both together.
+fn finish((description, mut problems): (Option<SceneDescription>, Problems)) -> Result<Loaded, Problems> {
     let Some(description) = description else { return Err(problems) };
     let assembled = match assemble(description) {
         Ok((scene, warnings)) => Some(Loaded { scene, warnings }),

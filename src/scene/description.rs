@@ -5,7 +5,7 @@
 //! numbers are in the units that the fields name.
 
 use super::camera::PixelFilter;
-use super::error::Source;
+use super::error::{Problem, Source};
 use super::mesh::TriangleMesh;
 use super::settings::RenderSettings;
 use super::texture::ImageTexture;
@@ -24,6 +24,8 @@ pub struct SceneDescription {
     pub objects: Vec<ObjectDescription>,
     /// Area lights are objects with [`ObjectDescription::emission`], the others are here.
     pub lights: Vec<LightDescription>,
+    /// What importers left out or assumed.
+    pub warnings: Vec<Problem>,
 }
 
 /// A name that refers to another item, and where it was written.

@@ -11,7 +11,7 @@ use super::description::{
 };
 use super::mesh::TriangleMesh;
 use super::settings::{BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings};
-use super::texture::{ImageTexture, Wrap};
+use super::texture::{ImageTexture, Placement, Wrap};
 
 /// Changes when the serialisation below does.
 const VERSION: &str = "pdembree scene 1";
@@ -63,6 +63,14 @@ fn earlier(written: &mut HashMap<usize, usize>, index: usize) -> Option<usize> {
             free.insert(next);
             None
         }
+    }
+}
+
+fn wrap_name(wrap: Wrap) -> &'static str {
+    match wrap {
+        Wrap::Repeat => "repeat",
+        Wrap::Clamp => "clamp",
+        Wrap::Mirror => "mirror",
     }
 }
 
@@ -342,16 +350,21 @@ impl Canonical {
             self.tag("image again");
             return self.count(place);
         }
-        let ImageTexture { width, height, texels, wrap } = &texture.image;
+        let ImageTexture { width, height, texels, wrap: [across, up], placement } = &texture.image;
         self.tag("image");
         self.count(*width);
         self.count(*height);
         self.singles(texels);
-        self.tag(match wrap {
-            Wrap::Repeat => "repeat",
-            Wrap::Clamp => "clamp",
-            Wrap::Mirror => "mirror",
-        });
+        self.tag(wrap_name(*across));
+        // Only where they are set, as with settings.
+        if up != across {
+            self.tag("up");
+            self.tag(wrap_name(*up));
+        }
+        if *placement != Placement::IDENTITY {
+            self.tag("placed");
+            self.numbers(placement.rows.as_flattened());
+        }
     }
 
     fn light(&mut self, light: &LightDescription) {

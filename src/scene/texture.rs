@@ -24,5 +24,19 @@ pub struct ImageTexture {
     pub height: usize,
     /// width · height texels, row by row from the top.
     pub texels: Vec<[f32; 3]>,
-    pub wrap: Wrap,
+    /// Across and up.
+    pub wrap: [Wrap; 2],
+    pub placement: Placement,
+}
+
+/// Where an image lies among texture coordinates: it is looked up at M (u, v) + t.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Rows of [M | t].
+    pub rows: [[f64; 3]; 2],
+}
+
+impl Placement {
+    /// On [0, 1]².
+    pub const IDENTITY: Placement = Placement { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
 }

@@ -9,7 +9,7 @@ use super::pyramid::Level;
 use crate::math::{Vec2, Vec3};
 use crate::radiometry::Spectrum;
 use crate::scene::ImageTexture;
-use crate::scene::texture::Wrap;
+use crate::scene::texture::{Placement, Wrap};
 
 /// Longest against shortest axis of a footprint; a longer one is widened, which blurs but bounds the work.
 const MAX_ANISOTROPY: f64 = 16.0;
@@ -33,7 +33,9 @@ const CUT_VARIANCE: f64 = (4.0 - 62.5 * CUT_HEIGHT) / (4.0 - 22.0 * CUT_HEIGHT);
 pub struct MipMap {
     /// From the image itself to a single texel.
     levels: Vec<Level>,
-    wrap: Wrap,
+    wrap: [Wrap; 2],
+    /// `None` where it changes nothing.
+    placement: Option<Placement>,
 }
 
 /// A symmetric 2×2 matrix.
@@ -77,12 +79,14 @@ impl MipMap {
         while let Some(coarser) = levels.last().and_then(Level::coarser) {
             levels.push(coarser);
         }
-        MipMap { levels, wrap: image.wrap }
+        let placement = Some(image.placement).filter(|p| *p != Placement::IDENTITY);
+        MipMap { levels, wrap: image.wrap, placement }
     }
 
     /// The mean over the ellipse about `uv` that `footprint` = (∂uv/∂x, ∂uv/∂y) spans. A footprint without bounds sees
     /// the mean of the image.
     pub fn filtered(&self, uv: Vec2, footprint: [Vec2; 2]) -> Spectrum {
+        let (uv, footprint) = self.placed(uv, footprint);
         let (finest, coarsest) = (&self.levels[0], &self.levels[self.levels.len() - 1]);
         // Rows run downwards, v upwards.
         let texels = Vec2::new(finest.width as f64, -(finest.height as f64));
@@ -103,6 +107,13 @@ impl MipMap {
         self.weighted_mean(level, self.reduced(uv), level_covariance(level, spread))
     }
 
+    /// From the surface's texture coordinates to the image's.
+    fn placed(&self, uv: Vec2, footprint: [Vec2; 2]) -> (Vec2, [Vec2; 2]) {
+        let Some(Placement { rows: [u, v] }) = &self.placement else { return (uv, footprint) };
+        let linear = |d: Vec2| Vec2::new(u[0] * d.x + u[1] * d.y, v[0] * d.x + v[1] * d.y);
+        (linear(uv) + Vec2::new(u[2], v[2]), footprint.map(linear))
+    }
+
     /// The coarsest level on which the kernel still has a standard deviation of 1/√3 texels across: its covariance is
     /// minor/4 + RECONSTRUCTION − (r² − 1)/12 texels of the finest level, which must be r²/3 or more.
     fn level_for(&self, minor: f64) -> &Level {
@@ -113,12 +124,13 @@ impl MipMap {
 
     /// `uv` brought near the image, where texel indices are exact.
     fn reduced(&self, uv: Vec2) -> Vec2 {
-        match self.wrap {
-            Wrap::Repeat => uv - uv.floor(),
-            Wrap::Mirror => uv - 2.0 * (0.5 * uv).floor(),
+        let axis = |x: f64, wrap| match wrap {
+            Wrap::Repeat => x - x.floor(),
+            Wrap::Mirror => x - 2.0 * (0.5 * x).floor(),
             // Farther out than this only the border is in reach.
-            Wrap::Clamp => uv.clamp(Vec2::splat(-1e6), Vec2::splat(1e6)),
-        }
+            Wrap::Clamp => x.clamp(-1e6, 1e6),
+        };
+        Vec2::new(axis(uv.x, self.wrap[0]), axis(uv.y, self.wrap[1]))
     }
 
     /// The Gaussian mean with `covariance` in texels of `level`.
@@ -154,9 +166,9 @@ impl MipMap {
     }
 
     fn texel(&self, level: &Level, i: i64, j: i64) -> Vec3 {
-        let wrapped = |i: i64, n: usize| {
+        let wrapped = |i: i64, n: usize, wrap| {
             let n = n as i64;
-            let i = match self.wrap {
+            let i = match wrap {
                 Wrap::Repeat => i.rem_euclid(n),
                 Wrap::Clamp => i.clamp(0, n - 1),
                 Wrap::Mirror => {
@@ -166,7 +178,7 @@ impl MipMap {
             };
             i as usize
         };
-        level.texel(wrapped(i, level.width), wrapped(j, level.height))
+        level.texel(wrapped(i, level.width, self.wrap[0]), wrapped(j, level.height, self.wrap[1]))
     }
 }
 

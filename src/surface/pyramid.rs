@@ -74,7 +74,7 @@ fn overlaps(i: usize, m: usize, n: usize) -> Vec<(usize, f64)> {
 mod tests {
     use super::*;
     use crate::sampling::{Purpose, Stream};
-    use crate::scene::texture::Wrap;
+    use crate::scene::texture::{Placement, Wrap};
 
     #[test]
     fn parts_share_the_texels_without_gap() {
@@ -94,7 +94,7 @@ mod tests {
         let (width, height) = (13, 6);
         let mut stream = Stream::new(1, Purpose::Test, 0, 0);
         let texels = (0..width * height).map(|_| [0; 3].map(|_: i32| stream.uniform() as f32)).collect();
-        let image = ImageTexture { width, height, texels, wrap: Wrap::Repeat };
+        let image = ImageTexture { width, height, texels, wrap: [Wrap::Repeat; 2], placement: Placement::IDENTITY };
         let mut level = Level::finest(&image);
         let mean = level.mean();
         let mut sizes = vec![(width, height)];

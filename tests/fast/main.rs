@@ -13,6 +13,7 @@ mod distribute;
 mod exact;
 mod farm;
 mod film;
+mod gltf;
 mod instructions;
 mod interaction;
 mod light_assembly;

@@ -3,7 +3,7 @@
 use pdembree::math::Vec2;
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::{Purpose, Stream};
-use pdembree::scene::texture::Wrap;
+use pdembree::scene::texture::{Placement, Wrap};
 use pdembree::scene::{ImageTexture, TextureId, Textured};
 use pdembree::surface::mipmap::MipMap;
 use pdembree::surface::{Lookup, Textures};
@@ -14,7 +14,8 @@ const POINT: [Vec2; 2] = [Vec2::ZERO; 2];
 /// An image of `f(i, j)`, i to the right, j downwards.
 fn image(width: usize, height: usize, wrap: Wrap, f: impl Fn(f64, f64) -> f64) -> ImageTexture {
     let texel = |k: usize| [f((k % width) as f64, (k / width) as f64) as f32; 3];
-    ImageTexture { width, height, texels: (0..width * height).map(texel).collect(), wrap }
+    let texels = (0..width * height).map(texel).collect();
+    ImageTexture { width, height, texels, wrap: [wrap; 2], placement: Placement::IDENTITY }
 }
 
 /// A footprint given in texels of a square image, columns turned by `angle`.
@@ -331,4 +332,39 @@ fn a_factor_tints_an_image() {
     let number = Textured::Image { texture: TextureId(0), factor: 2.0 };
     assert_eq!(textures.number(&number, &Lookup::default()), 1.0);
     assert_eq!(textures.number(&Textured::Constant(0.7), &Lookup::default()), 0.7);
+}
+
+/// Texels of the noise image in reach of nothing but themselves: magnified, at their middles.
+#[test]
+fn each_axis_wraps_in_its_own_way() {
+    let size = 8;
+    let value = |i: f64, j: f64| (3.0 * i + 7.0 * j * j).sin().abs();
+    let mut texture = image(size, size, Wrap::Repeat, value);
+    texture.wrap = [Wrap::Clamp, Wrap::Mirror];
+    let map = MipMap::new(&texture);
+    for (i, j) in [(-3.0, -2.0), (2.0, 9.0), (11.0, 17.0), (5.0, -8.0)] {
+        let clamped = f64::clamp(i, 0.0, 7.0);
+        let folded = f64::rem_euclid(j, 16.0);
+        let mirrored = f64::min(folded, 15.0 - folded);
+        let found = map.filtered(at(size, i, j), POINT).r();
+        assert!((found - value(clamped, mirrored)).abs() < 1e-6, "({i}, {j}): {found}");
+    }
+}
+
+/// A placed image is the image at M uv + t, its footprint M d.
+#[test]
+fn a_placed_image_is_looked_up_where_its_map_leads() {
+    let size = 64;
+    let value = |i: f64, j: f64| (0.2 * i + 0.05 * j).sin().abs();
+    let plain = image(size, size, Wrap::Repeat, value);
+    let rows = [[0.6, -0.8, 0.1], [1.6, 1.2, -0.3]];
+    let placed = MipMap::new(&ImageTexture { placement: Placement { rows }, ..plain.clone() });
+    let plain = MipMap::new(&plain);
+    let linear = |d: Vec2| Vec2::new(0.6 * d.x - 0.8 * d.y, 1.6 * d.x + 1.2 * d.y);
+    let mut stream = Stream::new(8, Purpose::Test, 0, 0);
+    for (major, minor, angle) in FOOTPRINTS {
+        let (uv, d) = (Vec2::from_array(stream.uniform2()), footprint(size, major, minor, angle));
+        let expected = plain.filtered(linear(uv) + Vec2::new(0.1, -0.3), d.map(linear));
+        assert!((placed.filtered(uv, d).r() - expected.r()).abs() < 1e-12, "{major} {minor}");
+    }
 }

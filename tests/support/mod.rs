@@ -9,6 +9,7 @@ pub mod data;
 pub mod optics;
 pub mod pass;
 pub mod renders;
+pub mod gltf;
 pub mod instructions;
 pub mod scene;
 pub mod evenness;

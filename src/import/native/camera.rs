@@ -24,6 +24,16 @@ enum ModelName {
     ThinLens,
 }
 
+impl ModelName {
+    fn of(model: CameraModelDescription) -> ModelName {
+        match model {
+            CameraModelDescription::Perspective { .. } => ModelName::Perspective,
+            CameraModelDescription::Orthographic { .. } => ModelName::Orthographic,
+            CameraModelDescription::ThinLens { .. } => ModelName::ThinLens,
+        }
+    }
+}
+
 const MODELS: Choice<'_, ModelName> = Choice {
     names: &["perspective", "orthographic", "thin_lens"],
     from_name: |name| match name {
@@ -43,24 +53,28 @@ const FILTERS: Choice<'_, PixelFilter> = Choice {
     },
 };
 
-pub(super) fn read(section: Section<'_>) -> CameraDescription {
+/// The camera of a table; what that leaves out is as in `base`, if there is one.
+pub(super) fn read(section: Section<'_>, base: Option<&CameraDescription>) -> CameraDescription {
     let model_name = match section.get("type") {
         Some(value) => section.reader.convert("type", value, &MODELS),
+        None if base.is_some() => base.map(|b| ModelName::of(b.model)),
         None => {
             section.missing("type", &MODELS.expects());
             None
         }
     };
-    let model = read_model(&section, model_name.unwrap_or(ModelName::Perspective), model_name.is_some());
+    let base_model = base.map(|b| b.model);
+    let model = read_model(&section, model_name.unwrap_or(ModelName::Perspective), model_name.is_some(), base_model);
     let resolution = Array(Integer::within(1, MAX_RESOLUTION));
+    let base_resolution = base.map(|b| b.resolution.map(u64::from));
     let camera = CameraDescription {
         source: section.source(),
         model,
-        position: section.required("position", POINT, [0.0, 0.0, 1.0]),
-        target: section.required("target", POINT, [0.0; 3]),
-        up: section.or("up", Direction, [0.0, 1.0, 0.0]),
-        resolution: section.required("resolution", resolution, [1, 1]).map(|n| n as u32),
-        filter: section.or("filter", FILTERS, PixelFilter::Box),
+        position: as_in_base(&section, "position", POINT, base.map(|b| b.position), [0.0, 0.0, 1.0]),
+        target: as_in_base(&section, "target", POINT, base.map(|b| b.target), [0.0; 3]),
+        up: section.or("up", Direction, base.map_or([0.0, 1.0, 0.0], |b| b.up)),
+        resolution: as_in_base(&section, "resolution", resolution, base_resolution, [1, 1]).map(|n| n as u32),
+        filter: section.or("filter", FILTERS, base.map_or(PixelFilter::Box, |b| b.filter)),
     };
     if model_name.is_some() {
         section.finish();
@@ -68,20 +82,45 @@ pub(super) fn read(section: Section<'_>) -> CameraDescription {
     camera
 }
 
+/// The value of `key`, which may be missing only where there is a base.
+fn as_in_base<K: Convert>(
+    section: &Section<'_>,
+    key: &'static str,
+    kind: K,
+    base: Option<K::Output>,
+    placeholder: K::Output,
+) -> K::Output {
+    match base {
+        Some(base) => section.or(key, kind, base),
+        None => section.required(key, kind, placeholder),
+    }
+}
+
 /// The keys of the model; with `known` false its name was wrong and no key is missed.
-fn read_model(section: &Section<'_>, name: ModelName, known: bool) -> CameraModelDescription {
+fn read_model(
+    section: &Section<'_>,
+    name: ModelName,
+    known: bool,
+    base: Option<CameraModelDescription>,
+) -> CameraModelDescription {
     const PLACEHOLDER: CameraModelDescription = CameraModelDescription::Orthographic { width: 1.0 };
     let angle = Number::between(0.0, 180.0);
+    let (base_angle, base_width) = match base {
+        Some(
+            CameraModelDescription::Perspective { fov_degrees } | CameraModelDescription::ThinLens { fov_degrees, .. },
+        ) => (Some(fov_degrees), None),
+        Some(CameraModelDescription::Orthographic { width }) => (None, Some(width)),
+        None => (None, None),
+    };
+    let fov_degrees = || as_in_base(section, "fov_degrees", angle, base_angle, 90.0);
     match name {
         _ if !known => PLACEHOLDER,
-        ModelName::Perspective => {
-            CameraModelDescription::Perspective { fov_degrees: section.required("fov_degrees", angle, 90.0) }
-        }
+        ModelName::Perspective => CameraModelDescription::Perspective { fov_degrees: fov_degrees() },
         ModelName::Orthographic => {
-            CameraModelDescription::Orthographic { width: section.required("width", POSITIVE, 1.0) }
+            CameraModelDescription::Orthographic { width: as_in_base(section, "width", POSITIVE, base_width, 1.0) }
         }
         ModelName::ThinLens => CameraModelDescription::ThinLens {
-            fov_degrees: section.required("fov_degrees", angle, 90.0),
+            fov_degrees: fov_degrees(),
             lens_radius: section.required("lens_radius", POSITIVE, 1.0),
             focus_distance: section.required("focus_distance", POSITIVE, 1.0),
         },

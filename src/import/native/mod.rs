@@ -3,6 +3,7 @@
 //! The format is described in [`crate::doc::scene_format`].
 
 mod camera;
+mod included;
 mod lights;
 mod materials;
 mod objects;
@@ -14,7 +15,9 @@ use std::path::Path;
 
 use toml::de::DeTable;
 
+use self::included::Included;
 use super::assets::Assets;
+use super::gltf::{self, GltfScene};
 use super::keyed::convert::Integer;
 use super::keyed::reader::{Reader, Section};
 use super::keyed::syntax_problems;
@@ -30,6 +33,24 @@ const FORMAT: u64 = 1;
 /// The problems are those of the text and of the files it names. Unless the text is no TOML at all there is a
 /// description too, with placeholders where values were wrong, so that assembly can go on to find the other problems.
 pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<SceneDescription>, Problems) {
+    describe_with(path, text, overrides, None)
+}
+
+/// A glTF file as if a scene file had nothing in it but that.
+///
+/// # Errors
+/// What is wrong with the glTF file.
+pub fn describe_gltf(path: &Path, overrides: &[Override]) -> Result<(Option<SceneDescription>, Problems), Problems> {
+    let included = gltf::read(path)?;
+    Ok(describe_with(path, "format = 1", overrides, Some(included)))
+}
+
+fn describe_with(
+    path: &Path,
+    text: &str,
+    overrides: &[Override],
+    included: Option<GltfScene>,
+) -> (Option<SceneDescription>, Problems) {
     let mut texts = Texts::new(path, text);
     let statements = overrides::statements(overrides, &mut texts);
     let (document, errors) = DeTable::parse_recoverable(text);
@@ -41,27 +62,33 @@ pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<Scen
     let mut table = document.into_inner();
     overrides::apply(&mut table, &statements, &texts, &mut problems);
     let reader = Reader::new(&texts, problems);
-    let description = read_scene(Section::new(&reader, "the scene", &table, span), path);
+    let description = read_scene(Section::new(&reader, "the scene", &table, span), path, included);
     (Some(description), reader.into_problems())
 }
 
-fn read_scene(root: Section<'_>, path: &Path) -> SceneDescription {
+fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> SceneDescription {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut assets = Assets::new(folder);
+    let included = included.map(|gltf| Included::into_assets(gltf, &mut assets));
     let file = root.reader.texts.file().clone();
 
     let version = Integer { min: FORMAT, max: FORMAT, help: Some("this program reads version 1 of the format") };
     root.required("format", version, FORMAT);
-    let camera = root.table("camera").map(camera::read);
+    let own_camera = included.as_ref().map(|i| &i.camera);
+    let camera = root.table("camera").map(|section| camera::read(section, own_camera)).or(own_camera.cloned());
     let render = root.table("render");
     let settings_source = render.as_ref().map_or(file.clone(), Section::source);
     let settings = render.map(camera::read_settings).unwrap_or_default();
     let materials = materials::read(&root, &mut assets);
-    let objects = objects::read(&root, &mut assets);
-    let lights = lights::read(&root);
+    let mut objects = objects::read(&root, &mut assets);
+    let mut lights = lights::read(&root);
     // A free table that closed-form tests read.
     root.get("expect");
     root.finish();
+    let mut warnings = Vec::new();
+    if let Some(included) = included {
+        warnings = included.add_to(&mut objects, &mut lights, root.get("camera").is_some());
+    }
 
     SceneDescription {
         source: file,
@@ -73,5 +100,6 @@ fn read_scene(root: Section<'_>, path: &Path) -> SceneDescription {
         meshes: assets.meshes,
         objects,
         lights,
+        warnings,
     }
 }

@@ -49,7 +49,7 @@ impl Report {
 /// # Errors
 /// All problems, each with the place it comes from.
 pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem>), Problems> {
-    let mut report = Report::default();
+    let mut report = Report { warnings: std::mem::take(&mut description.warnings), ..Report::default() };
     let hashes = (digest(&description), digest_of_contents(&description));
 
     let camera = camera::assemble(description.camera.as_ref(), &description.source, &mut report);

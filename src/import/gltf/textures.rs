@@ -1,0 +1,146 @@
+//! Images as textures: which channels of them, how they wrap, and `KHR_texture_transform`.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use gltf::texture::{Info, WrappingMode};
+use gltf::{Image, image};
+
+use super::buffers::Buffers;
+use super::uri::{Resource, resolve};
+use crate::import::image::{ColourSpace, from_bytes, read_file};
+use crate::scene::description::TextureDescription;
+use crate::scene::error::{Problem, Source};
+use crate::scene::texture::{ImageTexture, Placement, Wrap};
+
+/// What of an image is used. Colours are encoded with the sRGB curve, single channels hold numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Channels {
+    Colour,
+}
+
+#[derive(PartialEq, Eq, Hash)]
+struct Key {
+    image: usize,
+    channels: Channels,
+    wrap: [Wrap; 2],
+    placement: [u64; 6],
+}
+
+/// The textures that materials have asked for so far.
+pub(super) struct Textures<'a> {
+    buffers: &'a Buffers<'a>,
+    folder: &'a Path,
+    source: &'a Source,
+    pub described: Vec<TextureDescription>,
+    known: HashMap<Key, usize>,
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(buffers: &'a Buffers<'a>, folder: &'a Path, source: &'a Source) -> Textures<'a> {
+        Textures { buffers, folder, source, described: Vec::new(), known: HashMap::new() }
+    }
+
+    /// The index of a texture, read if it is new.
+    pub fn of(&mut self, info: &Info<'_>, channels: Channels) -> Result<usize, Problem> {
+        let (texture, placement) = (info.texture(), placement(info));
+        let (image, sampler) = (texture.source(), texture.sampler());
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(wrap);
+        let bits = placement.rows.as_flattened().iter().map(|x| x.to_bits());
+        let mut key = Key { image: image.index(), channels, wrap, placement: [0; 6] };
+        key.placement.iter_mut().zip(bits).for_each(|(slot, bits)| *slot = bits);
+        if let Some(known) = self.known.get(&key) {
+            return Ok(*known);
+        }
+        let decoded = self.decode(&image, channels, wrap).map_err(|problem| self.of_image(&image, problem))?;
+        self.described
+            .push(TextureDescription { source: self.source.clone(), image: ImageTexture { placement, ..decoded } });
+        self.known.insert(key, self.described.len() - 1);
+        Ok(self.described.len() - 1)
+    }
+
+    /// The mean colour of an image.
+    pub fn mean(&self, info: &Info<'_>) -> Result<[f64; 3], Problem> {
+        let image = info.texture().source();
+        let decoded = self.decode(&image, Channels::Colour, [Wrap::Repeat; 2]).map_err(|p| self.of_image(&image, p))?;
+        let mut sum = [0.0; 3];
+        for texel in &decoded.texels {
+            sum = std::array::from_fn(|c| sum[c] + f64::from(texel[c]));
+        }
+        Ok(sum.map(|s| s / decoded.texels.len() as f64))
+    }
+
+    fn of_image(&self, image: &Image<'_>, problem: Problem) -> Problem {
+        let message = format!("images[{}]: {}", image.index(), problem.message);
+        Problem { message, ..problem }.at_unless_placed(self.source)
+    }
+
+    fn decode(&self, image: &Image<'_>, channels: Channels, wrap: [Wrap; 2]) -> Result<ImageTexture, Problem> {
+        let Channels::Colour = channels;
+        let space = ColourSpace::Srgb;
+        Ok(match image.source() {
+            image::Source::View { view, .. } => {
+                let bytes = self.buffers.view(&view);
+                let bytes = bytes.ok_or_else(|| Problem::new("its buffer view reaches out of its buffer"))?;
+                from_bytes(&self.source.file, bytes, Some(space), wrap)?
+            }
+            image::Source::Uri { uri, .. } => match resolve(uri, self.folder).map_err(Problem::new)? {
+                Resource::Embedded(bytes) => from_bytes(&self.source.file, &bytes, Some(space), wrap)?,
+                Resource::File(path) => from_bytes(&path, &read_file(&path)?, Some(space), wrap)?,
+            },
+        })
+    }
+}
+
+/// Which of a mesh's sets of texture coordinates the texture lies in.
+pub(super) fn uv_set(info: &Info<'_>) -> u32 {
+    info.texture_transform().and_then(|t| t.tex_coord()).unwrap_or_else(|| info.tex_coord())
+}
+
+fn wrap(mode: WrappingMode) -> Wrap {
+    match mode {
+        WrappingMode::Repeat => Wrap::Repeat,
+        WrappingMode::ClampToEdge => Wrap::Clamp,
+        WrappingMode::MirroredRepeat => Wrap::Mirror,
+    }
+}
+
+/// `KHR_texture_transform` maps (u, v) with v downwards to T R S (u, v), R turning by [[cos, sin], [−sin, cos]]. Here v
+/// runs upwards on both sides of it.
+fn placement(info: &Info<'_>) -> Placement {
+    let Some(transform) = info.texture_transform() else { return Placement::IDENTITY };
+    upwards(transform.offset().map(f64::from), transform.rotation().into(), transform.scale().map(f64::from))
+}
+
+fn upwards(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> Placement {
+    let (sin, cos) = rotation.sin_cos();
+    let down = [[cos * scale[0], sin * scale[1], offset[0]], [-sin * scale[0], cos * scale[1], offset[1]]];
+    // v ↦ 1 − v before, then after.
+    let [u, v] = down.map(|[a, b, t]| [a, -b, t + b]);
+    Placement { rows: [u, [-v[0], -v[1], 1.0 - v[2]]] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The specification's own example: offset (0, 1), rotation π/2, scale (0.5, 0.5).
+    #[test]
+    fn a_transform_is_the_formats_with_v_turned_over() {
+        let place = |p: &Placement, [u, v]: [f64; 2]| p.rows.map(|[a, b, t]| a * u + b * v + t);
+        let (offset, rotation, scale) = ([0.3, -0.2], 0.7f64, [2.0, 0.5]);
+        let (sin, cos) = rotation.sin_cos();
+        for [u, v] in [[0.0, 0.0], [1.0, 0.0], [0.2, 0.9]] {
+            // T · R · S of the extension's text, columns (cos, −sin), (sin, cos).
+            let (x, y) = (scale[0] * u, scale[1] * v);
+            let expected = [cos * x + sin * y + offset[0], -sin * x + cos * y + offset[1]];
+            let [pu, pv] = place(&upwards(offset, rotation, scale), [u, 1.0 - v]);
+            assert!((pu - expected[0]).abs() < 1e-15 && (1.0 - pv - expected[1]).abs() < 1e-15, "{u} {v}");
+        }
+        assert_eq!(upwards([0.0; 2], 0.0, [1.0; 2]), Placement::IDENTITY);
+        let quarter = upwards([0.0, 1.0], std::f64::consts::FRAC_PI_2, [0.5, 0.5]);
+        // The image's upper left half-way: (0, 0) in the format's coordinates is looked up at (0, 1).
+        let [u, v] = place(&quarter, [0.0, 1.0]);
+        assert!(u.abs() < 1e-15 && v.abs() < 1e-15, "{u} {v}");
+    }
+}
