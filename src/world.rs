@@ -8,7 +8,6 @@ use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
 use crate::scene::{Object, Scene};
 use crate::shape::Parametrisation;
-use crate::surface::bsdf::can_focus;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures};
 
 /// Why a scene cannot be traced.
@@ -96,7 +95,7 @@ impl World {
 
 /// The sphere around everything that can focus light, or `None` if nothing in the scene makes caustics.
 fn caster_aim(scene: &Scene) -> Option<Aim> {
-    let casters = || scene.objects.iter().filter(|object| can_focus(&scene.materials[object.material.index()]));
+    let casters = || scene.objects.iter().filter(|object| scene.materials[object.material.index()].can_focus());
     let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
     if bounds.is_empty() {
         return None;

@@ -74,13 +74,43 @@ pub struct MaterialDescription {
 /// Linear Rec.709 triples; roughness is the artist's number, whose square is the GGX width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialModel {
-    Lambert { albedo: Parameter<[f64; 3]> },
-    Mirror { reflectance: Parameter<[f64; 3]> },
-    Dielectric { ior: f64, exterior: f64, fresnel: bool },
-    Conductor { eta: [f64; 3], k: [f64; 3] },
-    RoughDielectric { ior: f64, exterior: f64, roughness: Parameter<f64> },
-    RoughConductor { eta: [f64; 3], k: [f64; 3], roughness: Parameter<f64> },
-    Plastic { albedo: Parameter<[f64; 3]>, ior: f64 },
+    Lambert {
+        albedo: Parameter<[f64; 3]>,
+    },
+    Mirror {
+        reflectance: Parameter<[f64; 3]>,
+    },
+    Dielectric {
+        ior: f64,
+        exterior: f64,
+        fresnel: bool,
+    },
+    Conductor {
+        eta: [f64; 3],
+        k: [f64; 3],
+    },
+    RoughDielectric {
+        ior: f64,
+        exterior: f64,
+        roughness: Parameter<f64>,
+    },
+    RoughConductor {
+        eta: [f64; 3],
+        k: [f64; 3],
+        roughness: Parameter<f64>,
+    },
+    Plastic {
+        albedo: Parameter<[f64; 3]>,
+        ior: f64,
+    },
+    Principled {
+        base_colour: Parameter<[f64; 3]>,
+        metalness: Parameter<f64>,
+        roughness: Parameter<f64>,
+        transmission: Parameter<f64>,
+        ior: f64,
+        thin: bool,
+    },
 }
 
 /// An image that was read. Its wrapping is part of it: two uses with other wrapping are two textures.

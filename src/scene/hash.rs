@@ -308,17 +308,26 @@ impl Canonical {
             MaterialModel::RoughDielectric { ior, exterior, roughness } => {
                 self.tag("rough_dielectric");
                 self.numbers(&[ior, exterior]);
-                self.roughness(roughness, description);
+                self.number(roughness, description);
             }
             MaterialModel::RoughConductor { eta, k, roughness } => {
                 self.tag("rough_conductor");
                 self.numbers([eta, k].as_flattened());
-                self.roughness(roughness, description);
+                self.number(roughness, description);
             }
             MaterialModel::Plastic { albedo, ior } => {
                 self.tag("plastic");
                 self.numbers(&[ior]);
                 self.colour(albedo, description);
+            }
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+                self.tag("principled");
+                self.numbers(&[ior]);
+                self.integer(thin.into());
+                self.colour(base_colour, description);
+                for number in [metalness, roughness, transmission] {
+                    self.number(number, description);
+                }
             }
         }
     }
@@ -336,7 +345,7 @@ impl Canonical {
         }
     }
 
-    fn roughness(&mut self, parameter: Parameter<f64>, description: &SceneDescription) {
+    fn number(&mut self, parameter: Parameter<f64>, description: &SceneDescription) {
         let triple = match parameter {
             Parameter::Constant(value) => Parameter::Constant([value; 3]),
             Parameter::Image { texture, factor } => Parameter::Image { texture, factor: [factor; 3] },

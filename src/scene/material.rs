@@ -22,6 +22,17 @@ pub enum Material {
     RoughConductor { eta: Spectrum, k: Spectrum, alpha: Textured<f64> },
     /// Diffuse base under a smooth dielectric coat (a delta lobe beside a diffuse one), opaque, two-sided.
     Plastic { albedo: Textured<Spectrum>, ior: f64 },
+    /// Metal, a diffuse base under a dielectric coat, and glass, mixed: `metalness` of the first, and of the rest
+    /// `transmission` of the last, each in [0, 1]. `alpha` is 0 for a smooth surface. `thin` glass has no thickness and
+    /// bends nothing.
+    Principled {
+        base_colour: Textured<Spectrum>,
+        metalness: Textured<f64>,
+        transmission: Textured<f64>,
+        alpha: Textured<f64>,
+        ior: f64,
+        thin: bool,
+    },
 }
 
 impl Material {
@@ -34,7 +45,50 @@ impl Material {
             Material::RoughDielectric { alpha, .. } | Material::RoughConductor { alpha, .. } => {
                 matches!(alpha, Textured::Image { .. })
             }
+            Material::Principled { base_colour, metalness, transmission, alpha, .. } => {
+                let numbers = [metalness, transmission, alpha];
+                matches!(base_colour, Textured::Image { .. })
+                    || numbers.iter().any(|number| matches!(number, Textured::Image { .. }))
+            }
             Material::Dielectric { .. } | Material::Conductor { .. } => false,
         }
+    }
+
+    /// Whether a BSDF of this material can focus light: it has a delta lobe, or one of microfacets that is not of one class
+    /// with a diffuse base.
+    pub fn can_focus(&self) -> bool {
+        match self {
+            Material::Lambert { .. } => false,
+            Material::Principled { .. } => self.is_smooth() || !self.has_diffuse_base(),
+            Material::Mirror { .. }
+            | Material::Dielectric { .. }
+            | Material::Conductor { .. }
+            | Material::Plastic { .. }
+            | Material::RoughDielectric { .. }
+            | Material::RoughConductor { .. } => true,
+        }
+    }
+
+    /// Whether light goes through it into an inside.
+    pub fn is_solid_glass(&self) -> bool {
+        match self {
+            Material::Dielectric { .. } | Material::RoughDielectric { .. } => true,
+            Material::Principled { transmission, thin, .. } => !thin && *transmission != Textured::Constant(0.0),
+            _ => false,
+        }
+    }
+
+    /// Whether a principled material is smooth all over: an image of roughness never is, glass that bends nothing always.
+    pub fn is_smooth(&self) -> bool {
+        let Material::Principled { alpha, metalness, transmission, ior, thin, .. } = self else { return false };
+        let all_glass = *metalness == Textured::Constant(0.0) && *transmission == Textured::Constant(1.0);
+        *alpha == Textured::Constant(0.0) || all_glass && !thin && *ior == 1.0
+    }
+
+    /// Whether a principled material may have a diffuse base somewhere: it is not all metal and not all glass.
+    pub fn has_diffuse_base(&self) -> bool {
+        let all = |number: &Textured<f64>| *number == Textured::Constant(1.0);
+        let Material::Principled { metalness, transmission, .. } = self else { return false };
+        !all(metalness) && !all(transmission)
     }
 }

@@ -17,6 +17,7 @@ use super::bsdfs::dielectric::Dielectric;
 use super::bsdfs::lambert::Lambert;
 use super::bsdfs::mirror::Mirror;
 use super::bsdfs::plastic::Plastic;
+use super::bsdfs::principled::{Parameters, Principled};
 use super::bsdfs::rough_conductor::RoughConductor;
 use super::bsdfs::rough_dielectric::RoughDielectric;
 use super::bsdfs::{Arrival, LocalDeltas};
@@ -38,6 +39,7 @@ enum Model {
     RoughDielectric(RoughDielectric),
     RoughConductor(RoughConductor),
     Plastic(Plastic),
+    Principled(Principled),
 }
 
 /// A material at a point, its textures looked up.
@@ -100,6 +102,19 @@ impl Bsdf {
                 }
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
+            Material::Principled { base_colour, metalness, transmission, alpha, ior, thin } => {
+                // What the material is smooth or diffuse by holds all over it, whatever a filtered image says.
+                let facets = (!material.is_smooth()).then(|| Ggx::new(number(alpha).max(Ggx::SMOOTH_BELOW)));
+                Model::Principled(Principled::new(Parameters {
+                    colour: colour(base_colour),
+                    metalness: number(metalness),
+                    transmission: number(transmission),
+                    ior: *ior,
+                    facets,
+                    thin: *thin,
+                    diffuse: material.has_diffuse_base(),
+                }))
+            }
         };
         Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model }
     }
@@ -109,7 +124,11 @@ impl Bsdf {
     /// disagree about where a texture sets it, and measured with a small lamp behind rough glass photons are ahead of
     /// eye paths up to the widest lobe.
     pub fn is_glossy(&self) -> bool {
-        matches!(self.model, Model::RoughDielectric(_) | Model::RoughConductor(_))
+        match &self.model {
+            Model::RoughDielectric(_) | Model::RoughConductor(_) => true,
+            Model::Principled(m) => m.is_glossy(),
+            _ => false,
+        }
     }
     /// Whether there is a lobe of class D.
     pub fn is_diffuse(&self) -> bool {
@@ -122,6 +141,13 @@ impl Bsdf {
         let eta = match &self.model {
             Model::RoughDielectric(m) if local.z < 0.0 => Some(m.interface.eta(&side.arrival)),
             Model::RoughDielectric(_) | Model::RoughConductor(_) => None,
+            Model::Principled(m) if !m.is_glossy() => return None,
+            // Straight through in the mean, whatever the facet.
+            Model::Principled(m) if local.z < 0.0 && m.is_thin() => {
+                return Some((Normal3::from_unit(self.frame.n), Some(1.0)));
+            }
+            Model::Principled(m) if local.z < 0.0 => Some(m.transmitted_eta(&side.arrival)),
+            Model::Principled(_) => None,
             _ => return None,
         };
         // [Walter07 (16)]; for a mirroring facet the ratio is 1.
@@ -130,14 +156,19 @@ impl Bsdf {
 
     /// Whether there is a delta lobe: a mirror, a smooth interface or coat.
     pub fn has_delta(&self) -> bool {
-        matches!(self.model, Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) | Model::Plastic(_))
+        match &self.model {
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) | Model::Plastic(_) => true,
+            Model::Principled(m) => m.has_delta(),
+            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => false,
+        }
     }
     /// Whether there is a lobe that is not a delta.
     pub fn has_scatter(&self) -> bool {
-        matches!(
-            self.model,
-            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) | Model::Plastic(_)
-        )
+        match &self.model {
+            Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) | Model::Plastic(_) => true,
+            Model::Principled(m) => m.has_scatter(),
+            Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => false,
+        }
     }
     /// Whether both normals put `w` on the same side; if not, everything about `w` is black here.
     pub fn normals_agree(&self, w: Dir3) -> bool {
@@ -238,6 +269,7 @@ impl Bsdf {
             Model::RoughDielectric(m) => m.albedo(&arrival),
             Model::RoughConductor(m) => m.albedo(&arrival),
             Model::Plastic(m) => m.albedo(&arrival),
+            Model::Principled(m) => m.albedo(&arrival),
         }
     }
 
@@ -272,6 +304,11 @@ impl Bsdf {
             }
             Model::RoughConductor(m) => m.f(arrival, wi),
             Model::Plastic(m) => m.f(arrival, wi),
+            Model::Principled(m) => {
+                let eta = m.transmitted_eta(arrival);
+                let spread = if mode == TransportMode::Radiance && wi.z < 0.0 { eta * eta } else { 1.0 };
+                m.f(arrival, wi) * spread
+            }
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => Spectrum::BLACK,
         }
     }
@@ -282,6 +319,7 @@ impl Bsdf {
             Model::RoughDielectric(m) => m.pdf(&side.arrival, wi),
             Model::RoughConductor(m) => m.pdf(&side.arrival, wi),
             Model::Plastic(m) => m.pdf(wi),
+            Model::Principled(m) => m.pdf(&side.arrival, wi),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
         }
     }
@@ -294,6 +332,7 @@ impl Bsdf {
             Model::RoughDielectric(m) => m.sample(arrival, uc, u),
             Model::RoughConductor(m) => m.sample(arrival, u),
             Model::Plastic(m) => m.sample(u),
+            Model::Principled(m) => m.sample(arrival, uc, u),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => None,
         }?;
         let wi = side.to_world(local);
@@ -313,6 +352,7 @@ impl Bsdf {
             Model::Dielectric(m) => m.deltas(arrival),
             Model::Conductor(m) => m.deltas(arrival),
             Model::Plastic(m) => m.deltas(arrival),
+            Model::Principled(m) => m.deltas(arrival),
             Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => [None; 2],
         };
         let mut list = DeltaBranches::none();
@@ -336,20 +376,13 @@ impl Bsdf {
                 let coat: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
                 if base > 0.0 { base / (base + coat) } else { 0.0 }
             }
+            Model::Principled(m) if m.is_glossy() || !m.has_delta() => 1.0,
+            Model::Principled(m) => {
+                let base = m.base_albedo(&side.arrival).mean();
+                let facets: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
+                if base > 0.0 { base / (base + facets) } else { 0.0 }
+            }
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
         }
-    }
-}
-
-/// Whether a BSDF of this material can focus light: it has a delta lobe or one of microfacets.
-pub fn can_focus(material: &Material) -> bool {
-    match material {
-        Material::Lambert { .. } => false,
-        Material::Mirror { .. }
-        | Material::Dielectric { .. }
-        | Material::Conductor { .. }
-        | Material::Plastic { .. }
-        | Material::RoughDielectric { .. }
-        | Material::RoughConductor { .. } => true,
     }
 }

@@ -33,6 +33,9 @@ impl Ggx {
         debug_assert!(alpha >= Ggx::SMOOTH_BELOW, "a GGX width below the smooth limit: {alpha}");
         Ggx { alpha }
     }
+    pub fn alpha(&self) -> f64 {
+        self.alpha
+    }
 
     /// Density of facets with normal `m`: area of facets a steradian and an area of the macroscopic surface,
     /// ∫ D(m) m.z dm = 1 [Walter07 (33)].

@@ -4,6 +4,7 @@ pub mod adjoint;
 pub mod bsdf;
 mod bsdfs;
 pub mod event;
+pub mod facet_albedo;
 pub mod fresnel;
 pub mod interaction;
 pub mod microfacet;

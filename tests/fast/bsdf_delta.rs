@@ -4,11 +4,13 @@ use pdembree::math::{Normal3, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::Material;
-use pdembree::surface::bsdf::can_focus;
 use pdembree::surface::{Event, TransportMode};
 
-use crate::support::bsdf::{bent, direction, flat, glass, gold, lambert, mirror, plastic, rough_glass, rough_gold};
+use crate::support::bsdf::{
+    bent, direction, flat, glass, gold, lambert, mirror, plastic, principled, rough_glass, rough_gold,
+};
 
+const WHITE: [f64; 3] = [1.0; 3];
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
 #[test]
@@ -26,6 +28,11 @@ fn lobes_are_what_the_models_say() {
         (rough_glass(1.5, 0.2), false, true),
         (rough_gold(0.2), false, true),
         (plastic([0.5; 3], 1.5), true, true),
+        (principled(WHITE, [0.0, 0.0, 0.0, 1.5], false), true, true),
+        (principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), false, true),
+        (principled(WHITE, [1.0, 0.0, 0.0, 1.5], false), true, false),
+        (principled(WHITE, [0.0, 1.0, 0.0, 1.5], true), true, false),
+        (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), false, true),
         // The smooth limits.
         (rough_glass(1.5, 0.0), true, false),
         (rough_glass(1.0, 0.2), true, false),
@@ -50,8 +57,12 @@ fn materials_know_whether_they_can_focus() {
         (glass(1.5), true),
         (rough_glass(1.5, 0.1), true),
         (rough_gold(0.9), true),
+        (principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), false),
+        (principled(WHITE, [0.5, 0.0, 0.0, 1.5], false), true),
+        (principled(WHITE, [1.0, 0.0, 0.3, 1.5], false), true),
+        (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), true),
     ] {
-        assert_eq!(can_focus(&material), expected, "{material:?}");
+        assert_eq!(material.can_focus(), expected, "{material:?}");
     }
 }
 
@@ -231,4 +242,37 @@ fn nothing_passes_where_the_normals_disagree() {
         }
     }
     assert!(agreed > 1000 && refused > 1000, "{agreed} {refused}");
+}
+
+/// Facets without roughness: metal and coat by Schlick, solid glass as the dielectric coloured, thin glass straight on.
+#[test]
+fn a_smooth_principled_surface_is_the_sum_of_its_deltas() {
+    let (colour, ior) = ([0.9, 0.5, 0.2], 1.5);
+    for cos in [-0.9, -0.3, 0.1, 0.5, 1.0] {
+        let wo = direction(cos, 0.7);
+        let w = (1.0 - f64::abs(cos)).powi(5);
+        let coat = 0.04 + 0.96 * w;
+        let metal = flat(&principled(colour, [1.0, 0.0, 0.0, ior], false)).delta_branches(wo)[0];
+        for (found, c) in metal.weight.to_array().into_iter().zip(colour) {
+            assert!((found - (c + (1.0 - c) * w)).abs() < 1e-15, "{metal:?}");
+        }
+        let solid = flat(&principled(colour, [0.0, 1.0, 0.0, ior], false)).delta_branches(wo);
+        let glass = flat(&glass(ior)).delta_branches(wo);
+        assert_eq!(solid.len(), glass.len());
+        for (solid, glass) in solid.iter().zip(&*glass) {
+            assert_eq!((solid.wi, solid.eta), (glass.wi, glass.eta));
+            let tint = if glass.eta.is_some() { Spectrum::from(colour) } else { Spectrum::ONE };
+            assert!((solid.weight - glass.weight * tint).map(f64::abs).max_component() < 1e-15);
+        }
+        let thin = flat(&principled(colour, [0.5, 0.5, 0.0, ior], true)).delta_branches(wo);
+        let [mirrored, through] = &*thin else { panic!("{thin:?}") };
+        assert_eq!(through.eta, Some(1.0));
+        assert!((through.wi.to_vec() + wo.to_vec()).length() < 1e-15);
+        assert!((through.weight.g() - 0.25 * (1.0 - coat) * 0.5).abs() < 1e-15);
+        let expected = 0.5 * (0.5 + 0.5 * w) + 0.5 * coat;
+        assert!((mirrored.weight.g() - expected).abs() < 1e-15, "{mirrored:?}");
+        for mode in MODES {
+            assert!((through.transport_weight(mode) - through.weight).is_black(), "radiance goes through unchanged");
+        }
+    }
 }

@@ -5,6 +5,7 @@ mod support;
 
 mod exact;
 mod exr;
+mod gltf;
 mod page;
 mod killed;
 mod peers;

@@ -5,7 +5,9 @@ use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::Material;
 use pdembree::surface::{Bsdf, Event, TransportMode};
 
-use crate::support::bsdf::{bent, direction, lambert, plastic, rough_glass, rough_gold};
+use crate::support::bsdf::{
+    bent, direction, lambert, plastic, principled, principled_mixtures, rough_glass, rough_gold,
+};
 use crate::support::chi2::{Grid, sideways_direction, sideways_point};
 use crate::support::statistics::{Moments, assert_plausible, z_test};
 
@@ -44,7 +46,9 @@ fn all_cases() -> Vec<Case> {
         rough_glass(1.33, 1.0),
         rough_glass(0.7, 0.3),
     ];
+    let flat: Vec<Material> = flat.into_iter().chain([0.05, 0.4].into_iter().flat_map(principled_mixtures)).collect();
     let bent = [lambert([0.5; 3]), plastic([0.2, 0.5, 0.8], 1.5), rough_gold(0.3), rough_glass(1.5, 0.3)];
+    let bent: Vec<Material> = bent.into_iter().chain(principled_mixtures(0.3)).collect();
     cases(&flat, &bent)
 }
 
@@ -91,7 +95,12 @@ fn directions_of_all_lobes_have_their_density() {
         let sample = bsdf.sample(wo, stream.uniform(), stream.uniform2(), mode)?;
         matches!(sample.event, Event::Scatter { .. }).then_some(sample.wi)
     };
-    let plastics = [plastic([0.2, 0.5, 0.8], 1.5), plastic([0.9; 3], 1.1)];
+    let plastics = [
+        plastic([0.2, 0.5, 0.8], 1.5),
+        plastic([0.9; 3], 1.1),
+        principled([0.9, 0.5, 0.2], [0.3, 0.0, 0.0, 1.5], false),
+        principled([0.9, 0.5, 0.2], [0.2, 0.5, 0.0, 1.5], true),
+    ];
     chi2_of_all(cases(&plastics, &plastics), 2, draw, |bsdf, wo, wi| bsdf.pdf(wo, wi, mode).get());
 }
 

@@ -62,5 +62,27 @@ pub fn plastic(albedo: [f64; 3], ior: f64) -> Material {
     Material::Plastic { albedo: Textured::Constant(Spectrum::from(albedo)), ior }
 }
 
+/// A principled material of one colour: metalness, transmission, GGX width, index, whether glass is thin.
+pub fn principled(colour: [f64; 3], [metalness, transmission, alpha, ior]: [f64; 4], thin: bool) -> Material {
+    let [metalness, transmission, alpha] = [metalness, transmission, alpha].map(Textured::Constant);
+    let base_colour = Textured::Constant(Spectrum::from(colour));
+    Material::Principled { base_colour, metalness, transmission, alpha, ior, thin }
+}
+
+/// Every kind of lobe and mixture with facets of the width `alpha`.
+pub fn principled_mixtures(alpha: f64) -> Vec<Material> {
+    let colour = [0.9, 0.5, 0.2];
+    let of = |metalness: f64, transmission: f64, thin| principled(colour, [metalness, transmission, alpha, 1.5], thin);
+    vec![
+        of(0.0, 0.0, false),
+        of(1.0, 0.0, false),
+        of(0.0, 1.0, false),
+        of(0.0, 1.0, true),
+        of(0.5, 0.0, false),
+        of(0.3, 0.4, false),
+        of(0.2, 0.6, true),
+    ]
+}
+
 /// Numbers of the size of gold's index; what they are exactly does not matter to the tests.
 const GOLD: [[f64; 3]; 2] = [[0.14, 0.37, 1.44], [3.98, 2.39, 1.60]];

@@ -1,6 +1,6 @@
 //! Metallic-roughness materials on the models of this house.
 
-use gltf::material::AlphaMode;
+use gltf::material::{AlphaMode, PbrSpecularGlossiness};
 use gltf::texture::Info;
 use gltf::{Document, Material};
 
@@ -15,6 +15,8 @@ use crate::scene::error::{Problem, Source};
 pub(super) struct Finish {
     pub name: String,
     pub emission: Option<Emission>,
+    /// Whether it is a lamp and no picture that glows.
+    pub is_lamp: bool,
     /// The set of texture coordinates that the material's images lie in.
     pub uv_set: Option<u32>,
 }
@@ -54,7 +56,8 @@ impl<'a> Materials<'a> {
         let mut uses = Uses { textures: &mut self.textures, ignored, uv_set: None };
         let model = model(material, &mut uses)?;
         let emission = emission(material, &mut uses, self.source)?;
-        let finish = Finish { name: name.clone(), emission, uv_set: uses.uv_set };
+        let is_lamp = emission.is_some() && material.emissive_texture().is_none();
+        let finish = Finish { name: name.clone(), emission, is_lamp, uv_set: uses.uv_set };
         self.described.push(MaterialDescription { name, source: self.source.clone(), model });
         self.finishes[place] = Some(finish.clone());
         Ok(finish)
@@ -77,11 +80,19 @@ impl Uses<'_, '_> {
         self.textures.of(info, channels)
     }
 
+    fn number(&mut self, info: Option<Info<'_>>, channels: Channels, factor: f64) -> Result<Parameter<f64>, Problem> {
+        let Some(info) = info else { return Ok(Parameter::Constant(factor)) };
+        Ok(Parameter::Image { texture: self.image(&info, channels)?, factor })
+    }
+
     fn colour(&mut self, info: Option<Info<'_>>, factor: [f64; 3]) -> Result<Parameter<[f64; 3]>, Problem> {
         let Some(info) = info else { return Ok(Parameter::Constant(factor)) };
         Ok(Parameter::Image { texture: self.image(&info, Channels::Colour)?, factor })
     }
 }
+
+/// Of refraction, where a material does not say.
+const USUAL_INDEX: f32 = 1.5;
 
 /// Components of `f32` that were meant to be at most 1 are.
 fn share(x: f32) -> f64 {
@@ -91,8 +102,62 @@ fn share(x: f32) -> f64 {
 fn model(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialModel, Problem> {
     let pbr = material.pbr_metallic_roughness();
     let [r, g, b, _] = pbr.base_color_factor();
-    let albedo = uses.colour(pbr.base_color_texture(), [r, g, b].map(share))?;
-    Ok(MaterialModel::Lambert { albedo })
+    let base_colour = uses.colour(pbr.base_color_texture(), [r, g, b].map(share))?;
+    let both = pbr.metallic_roughness_texture();
+    let roughness = uses.number(both, Channels::Green, share(pbr.roughness_factor()))?;
+    let metalness = uses.number(pbr.metallic_roughness_texture(), Channels::Blue, share(pbr.metallic_factor()))?;
+    let transmission = match material.transmission() {
+        Some(t) => uses.number(t.transmission_texture(), Channels::Red, share(t.transmission_factor()))?,
+        None => Parameter::Constant(0.0),
+    };
+    let thin = material.volume().is_none_or(|volume| volume.thickness_factor() == 0.0);
+    let ior = index(material, uses.ignored);
+    let model = MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin };
+    match material.pbr_specular_glossiness() {
+        Some(older) => specular_glossiness(&older, uses),
+        None => Ok(without_unused_images(model)),
+    }
+}
+
+/// `KHR_materials_ior`; its 0 stands for a coat that reflects everything, for the sake of an older extension.
+fn index(material: &Material<'_>, ignored: &mut Ignored) -> f64 {
+    let given = f64::from(material.ior().unwrap_or(USUAL_INDEX));
+    if given == 0.0 {
+        ignored.note("KHR_materials_ior of 0 (1.5 is taken)");
+        return USUAL_INDEX.into();
+    }
+    given
+}
+
+/// The older way to say it: a diffuse base and a specular colour; a coat of the usual index stands in for the latter.
+fn specular_glossiness(older: &PbrSpecularGlossiness<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialModel, Problem> {
+    uses.ignored.note("the specular colour of KHR_materials_pbrSpecularGlossiness");
+    let image = older.specular_glossiness_texture().is_some();
+    uses.ignored.note_if(image, "specularGlossinessTexture");
+    let [r, g, b, _] = older.diffuse_factor();
+    Ok(MaterialModel::Principled {
+        base_colour: uses.colour(older.diffuse_texture(), [r, g, b].map(share))?,
+        metalness: Parameter::Constant(0.0),
+        roughness: Parameter::Constant(1.0 - share(older.glossiness_factor())),
+        transmission: Parameter::Constant(0.0),
+        ior: USUAL_INDEX.into(),
+        thin: true,
+    })
+}
+
+/// An image times 0 is 0: so the material is known to be no metal anywhere, or smooth.
+fn without_unused_images(model: MaterialModel) -> MaterialModel {
+    let plain = |number: Parameter<f64>| match number {
+        Parameter::Image { factor: 0.0, .. } => Parameter::Constant(0.0),
+        other => other,
+    };
+    match model {
+        MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+            let [metalness, roughness, transmission] = [metalness, roughness, transmission].map(plain);
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin }
+        }
+        other => other,
+    }
 }
 
 /// The radiance that a material sends out of itself. An image of it is replaced by its mean: lamps are even here.
@@ -115,6 +180,9 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
 fn note_ignored(material: &Material<'_>, ignored: &mut Ignored) {
     ignored.note_if(material.normal_texture().is_some(), "normalTexture");
     ignored.note_if(material.occlusion_texture().is_some(), "occlusionTexture");
+    ignored.note_if(material.unlit(), "KHR_materials_unlit (lit as others are)");
+    let coloured = material.volume().is_some_and(|v| v.attenuation_color() != [1.0; 3]);
+    ignored.note_if(coloured, "the attenuation of KHR_materials_volume");
     match material.alpha_mode() {
         AlphaMode::Opaque => {}
         AlphaMode::Mask => ignored.note("alphaMode MASK"),

@@ -52,6 +52,8 @@ pub struct GltfScene {
     pub meshes: Vec<MeshDescription>,
     pub objects: Vec<ObjectDescription>,
     pub lights: Vec<LightDescription>,
+    /// Whether it brings its own light: glowing pictures alone are no lamps.
+    pub is_lit: bool,
     /// About what is left out.
     pub warnings: Vec<Problem>,
     bounds: Bounds3,
@@ -99,14 +101,15 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<GltfScene, Problems> {
         mesh_index: HashMap::new(),
         objects: Vec::new(),
         bounds: Bounds3::EMPTY,
+        has_lamp: false,
         ignored: &mut ignored,
     };
     for item in &placed {
         reading.add_objects(item)?;
     }
-    let Reading { materials, meshes, objects, bounds, .. } = reading;
+    let Reading { materials, meshes, objects, bounds, has_lamp, .. } = reading;
     let (materials, textures) = materials.into_parts();
-    let lights = placed
+    let lights: Vec<LightDescription> = placed
         .iter()
         .filter_map(|item| lights::describe(&item.node.light()?, &item.to_world, &source, &mut ignored))
         .collect();
@@ -116,7 +119,8 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<GltfScene, Problems> {
     let camera = camera.transpose().map_err(refuse)?;
     ignored.note_if(cameras.len() > 1, "cameras behind the first one");
     let warnings = ignored.warning(&source).into_iter().collect();
-    Ok(GltfScene { source, camera, materials, textures, meshes, objects, lights, warnings, bounds })
+    let is_lit = has_lamp || !lights.is_empty();
+    Ok(GltfScene { source, camera, materials, textures, meshes, objects, lights, is_lit, warnings, bounds })
 }
 
 /// Extensions that are read.
@@ -152,6 +156,7 @@ struct Reading<'a, 'i> {
     mesh_index: HashMap<(usize, usize), Option<usize>>,
     objects: Vec<ObjectDescription>,
     bounds: Bounds3,
+    has_lamp: bool,
     ignored: &'i mut Ignored,
 }
 
@@ -177,6 +182,7 @@ impl Reading<'_, '_> {
             let map = nodes::transform_map(&item.to_world);
             let transform = map.map(|map| TransformStep { source: self.source.clone(), map });
             self.include(index, item);
+            self.has_lamp |= finish.is_lamp;
             self.objects.push(ObjectDescription {
                 name: self.names.unique(&label),
                 source: self.source.clone(),

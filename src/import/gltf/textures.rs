@@ -17,6 +17,9 @@ use crate::scene::texture::{ImageTexture, Placement, Wrap};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Channels {
     Colour,
+    Red,
+    Green,
+    Blue,
 }
 
 #[derive(PartialEq, Eq, Hash)]
@@ -76,9 +79,8 @@ impl<'a> Textures<'a> {
     }
 
     fn decode(&self, image: &Image<'_>, channels: Channels, wrap: [Wrap; 2]) -> Result<ImageTexture, Problem> {
-        let Channels::Colour = channels;
-        let space = ColourSpace::Srgb;
-        Ok(match image.source() {
+        let space = if channels == Channels::Colour { ColourSpace::Srgb } else { ColourSpace::Linear };
+        let decoded = match image.source() {
             image::Source::View { view, .. } => {
                 let bytes = self.buffers.view(&view);
                 let bytes = bytes.ok_or_else(|| Problem::new("its buffer view reaches out of its buffer"))?;
@@ -88,7 +90,15 @@ impl<'a> Textures<'a> {
                 Resource::Embedded(bytes) => from_bytes(&self.source.file, &bytes, Some(space), wrap)?,
                 Resource::File(path) => from_bytes(&path, &read_file(&path)?, Some(space), wrap)?,
             },
-        })
+        };
+        let channel = match channels {
+            Channels::Colour => return Ok(decoded),
+            Channels::Red => 0,
+            Channels::Green => 1,
+            Channels::Blue => 2,
+        };
+        let texels = decoded.texels.iter().map(|texel| [texel[channel]; 3]).collect();
+        Ok(ImageTexture { texels, ..decoded })
     }
 }
 

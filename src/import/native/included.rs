@@ -21,6 +21,7 @@ pub(super) struct Included {
     has_camera: bool,
     objects: Vec<ObjectDescription>,
     lights: Vec<LightDescription>,
+    is_lit: bool,
     warnings: Vec<Problem>,
 }
 
@@ -28,11 +29,11 @@ impl Included {
     /// `assets` hold nothing yet, so that its indices stay what they are.
     pub fn into_assets(gltf: GltfScene, assets: &mut Assets) -> Included {
         let (has_camera, framing) = (gltf.camera.is_some(), gltf.framing_camera());
-        let GltfScene { source, camera, materials, textures, meshes, objects, lights, warnings, .. } = gltf;
+        let GltfScene { source, camera, materials, textures, meshes, objects, lights, is_lit, warnings, .. } = gltf;
         assets.materials = materials;
         assets.textures = textures;
         assets.meshes = meshes;
-        Included { source, camera: camera.unwrap_or(framing), has_camera, objects, lights, warnings }
+        Included { source, camera: camera.unwrap_or(framing), has_camera, objects, lights, is_lit, warnings }
     }
 
     /// Puts the file's things before the scene's own; returns what is to be said about it.
@@ -42,13 +43,14 @@ impl Included {
         lights: &mut Vec<LightDescription>,
         camera_is_given: bool,
     ) -> Vec<Problem> {
+        let is_lit = self.is_lit || !lights.is_empty() || objects.iter().any(|object| object.emission.is_some());
         objects.splice(0..0, self.objects);
         lights.splice(0..0, self.lights);
         let mut say = |what: &str, help: &str| self.warnings.push(Problem::new(what).help(help).at(&self.source));
         if !self.has_camera && !camera_is_given {
             say("the file has no camera: one that has everything in view stands in", "set camera.position and others");
         }
-        if lights.is_empty() && objects.iter().all(|object| object.emission.is_none()) {
+        if !is_lit {
             let sun = LightModel::Directional {
                 direction: SUN_DIRECTION,
                 irradiance: SUN,

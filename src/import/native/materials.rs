@@ -20,10 +20,20 @@ enum MaterialName {
     RoughDielectric,
     RoughConductor,
     Plastic,
+    Principled,
 }
 
 const MATERIALS: Choice<'_, MaterialName> = Choice {
-    names: &["lambert", "mirror", "dielectric", "conductor", "rough_dielectric", "rough_conductor", "plastic"],
+    names: &[
+        "lambert",
+        "mirror",
+        "dielectric",
+        "conductor",
+        "rough_dielectric",
+        "rough_conductor",
+        "plastic",
+        "principled",
+    ],
     from_name: |name| match name {
         "lambert" => Some(MaterialName::Lambert),
         "mirror" => Some(MaterialName::Mirror),
@@ -32,6 +42,7 @@ const MATERIALS: Choice<'_, MaterialName> = Choice {
         "rough_dielectric" => Some(MaterialName::RoughDielectric),
         "rough_conductor" => Some(MaterialName::RoughConductor),
         "plastic" => Some(MaterialName::Plastic),
+        "principled" => Some(MaterialName::Principled),
         _ => None,
     },
 };
@@ -108,6 +119,14 @@ fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) ->
         MaterialName::Plastic => {
             MaterialModel::Plastic { albedo: colour("albedo", section, assets), ior: section.or("ior", POSITIVE, 1.5) }
         }
+        MaterialName::Principled => MaterialModel::Principled {
+            base_colour: colour("base_colour", section, assets),
+            metalness: share("metalness", 0.0, section, assets),
+            roughness: share("roughness", 0.5, section, assets),
+            transmission: share("transmission", 0.0, section, assets),
+            ior: section.or("ior", POSITIVE, 1.5),
+            thin: section.or("thin", Boolean, false),
+        },
     }
 }
 
@@ -139,6 +158,14 @@ fn colour(key: &'static str, section: &Section<'_>, assets: &mut Assets) -> Para
 
 fn roughness(section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
     parameter("roughness", section, assets, &ROUGHNESS, NON_NEGATIVE, 1.0, Some(ColourSpace::Linear))
+}
+
+/// A number from 0 to 1 that may be left out.
+fn share(key: &'static str, default: f64, section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
+    match section.get(key) {
+        None => Parameter::Constant(default),
+        Some(_) => parameter(key, section, assets, &FRACTION, NON_NEGATIVE, 1.0, Some(ColourSpace::Linear)),
+    }
 }
 
 /// A constant, or `{ image, space, wrap, factor }`.

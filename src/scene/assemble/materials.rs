@@ -86,6 +86,21 @@ impl Materials {
                 checks.index("ior", ior);
                 Material::Plastic { albedo: self.reflectance(albedo, &mut checks), ior }
             }
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+                checks.index("ior", ior);
+                let alpha = match roughness {
+                    Parameter::Constant(0.0) => Textured::Constant(0.0),
+                    _ => self.alpha(roughness, &mut checks),
+                };
+                Material::Principled {
+                    base_colour: self.reflectance(base_colour, &mut checks),
+                    metalness: self.share("metalness", metalness, &mut checks),
+                    transmission: self.share("transmission", transmission, &mut checks),
+                    alpha,
+                    ior,
+                    thin,
+                }
+            }
         }
     }
 
@@ -107,6 +122,21 @@ impl Materials {
                 Textured::Image { texture: TextureId(texture as u32), factor: Spectrum::from(factor) }
             }
         }
+    }
+
+    /// A number from 0 to 1.
+    fn share(&self, name: &str, parameter: Parameter<f64>, checks: &mut Checks<'_>) -> Textured<f64> {
+        let (most, textured) = match parameter {
+            Parameter::Constant(value) => (value, Textured::Constant(value)),
+            Parameter::Image { texture, factor } => {
+                let [most, ..] = self.textures.get(texture).map_or([0.0; 3], brightest);
+                (factor * f64::from(most), Textured::Image { texture: TextureId(texture as u32), factor })
+            }
+        };
+        if !(0.0..=1.0 + 1e-6).contains(&most) {
+            checks.refuse(format!("has `{name}` {most}"), "it must be from 0 to 1");
+        }
+        textured
     }
 
     /// alpha = roughness², in an image texel by texel.

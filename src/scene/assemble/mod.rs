@@ -192,7 +192,7 @@ fn check_bounds(bounds: Bounds3, description: &SceneDescription, report: &mut Re
 fn warn_without_caustics(materials: &Materials, description: &SceneDescription, report: &mut Report) {
     let specular = description.objects.iter().any(|object| {
         let material = materials.lookup(&object.material.name);
-        material.is_none_or(|m| !matches!(m, Material::Lambert { .. }))
+        material.is_none_or(Material::can_focus)
     });
     let settings = &description.settings;
     let only_caustics = settings.method == Method::PhotonMap && settings.indirect == Indirect::Path;

@@ -9,8 +9,10 @@ pub mod dielectric;
 pub mod lambert;
 pub mod mirror;
 pub mod plastic;
+pub mod principled;
 pub mod rough_conductor;
 pub mod rough_dielectric;
+pub mod thin_glass;
 
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;

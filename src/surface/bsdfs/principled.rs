@@ -1,0 +1,268 @@
+//! Metal, coated base and glass in one, as glTF's metallic-roughness mixes them · local frame, 1/sr without the cosine.
+//!
+//! With metalness m and transmission t the surface is m metal + (1 − m)((1 − t) coated + t glass), all of the same facets:
+//! GGX of one width, or smooth, when everything that they do is a delta lobe.
+//!
+//! - Metal: Schlick's reflectance from the base colour c.
+//! - Coated: a dielectric's reflectance over a diffuse base, f = c T(wo) T(wi) / (π T̄), where T is what the facets do not
+//!   return of a direction's light and T̄ its mean over the hemisphere: reciprocal, and with c = 1 nothing is lost or
+//!   gained but what a second bounce among the facets would bring.
+//! - Glass: an interface with Fresnel's reflectance whose transmitted light is coloured by c at each crossing, or a sheet
+//!   without thickness.
+
+use std::f64::consts::FRAC_1_PI;
+
+use super::dielectric::Dielectric;
+use super::lambert::{cosine_pdf, sample_cosine};
+use super::rough_conductor::reflected;
+use super::rough_dielectric::RoughDielectric;
+use super::thin_glass::ThinGlass;
+use super::{Arrival, LocalDelta, LocalDeltas, mirrored};
+use crate::math::Vec3;
+use crate::radiometry::Spectrum;
+use crate::sampling::warp::Warp;
+use crate::surface::facet_albedo::{self, schlick};
+use crate::surface::fresnel;
+use crate::surface::microfacet::Ggx;
+
+/// What the choice of a lobe takes the reflectance of facets for at least: the mean facet may reflect nothing, others do.
+const LEAST_REFLECTANCE: f64 = 0.02;
+
+/// An index of glass nearer to 1 than this would bend light too little for the arithmetic of rough facets.
+const LEAST_BENDING: f64 = 1e-4;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    colour: Spectrum,
+    metalness: f64,
+    transmission: f64,
+    /// Of the dielectric, inside to outside.
+    ior: f64,
+    /// T̄ of the coat.
+    mean_entering: f64,
+    /// GGX width; `None` is smooth.
+    facets: Option<Ggx>,
+    thin: bool,
+    diffuse: bool,
+}
+
+/// The numbers of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    pub colour: Spectrum,
+    pub metalness: f64,
+    pub transmission: f64,
+    pub ior: f64,
+    pub facets: Option<Ggx>,
+    /// Glass without thickness.
+    pub thin: bool,
+    /// Whether the material has a diffuse base, here or elsewhere: what scatters is then of class D all over it.
+    pub diffuse: bool,
+}
+
+/// Probabilities of the lobes that are not deltas.
+struct Choice {
+    /// The facets of metal and coat.
+    facets: f64,
+    base: f64,
+    glass: f64,
+}
+
+impl Principled {
+    pub fn new(at: Parameters) -> Principled {
+        let share = |x: f64| x.clamp(0.0, 1.0);
+        let ior = if (at.ior - 1.0).abs() < LEAST_BENDING { 1.0 + LEAST_BENDING } else { at.ior };
+        let f0 = normal_reflectance(ior);
+        let mean_entering = match at.facets {
+            Some(facets) => {
+                let returned = facet_albedo::diffuse_albedo(f0, facets.alpha()) + facet_albedo::ERROR;
+                (1.0 - returned).max(facet_albedo::ERROR)
+            }
+            None => 1.0 - facet_albedo::smooth_diffuse_albedo(f0),
+        };
+        Principled {
+            colour: at.colour.map(share),
+            metalness: share(at.metalness),
+            transmission: share(at.transmission),
+            ior,
+            mean_entering,
+            facets: at.facets,
+            thin: at.thin,
+            diffuse: at.diffuse,
+        }
+    }
+
+    /// Whether what scatters are facets alone.
+    pub fn is_glossy(&self) -> bool {
+        self.facets.is_some() && !self.diffuse
+    }
+    pub fn has_delta(&self) -> bool {
+        self.facets.is_none()
+    }
+    pub fn has_scatter(&self) -> bool {
+        self.facets.is_some() || self.diffuse
+    }
+
+    fn coated(&self) -> f64 {
+        (1.0 - self.metalness) * (1.0 - self.transmission)
+    }
+    fn glass(&self) -> f64 {
+        (1.0 - self.metalness) * self.transmission
+    }
+    fn f0(&self) -> f64 {
+        normal_reflectance(self.ior)
+    }
+    fn interface(&self) -> Dielectric {
+        Dielectric::new(self.ior, 1.0, true)
+    }
+    /// n_i/n_t of what goes through.
+    pub fn transmitted_eta(&self, arrival: &Arrival) -> f64 {
+        if self.thin { 1.0 } else { self.interface().eta(arrival) }
+    }
+    pub fn is_thin(&self) -> bool {
+        self.thin
+    }
+
+    /// What metal and coat reflect of light on a facet, with their shares of the surface.
+    fn facet_reflectance(&self, cos: f64) -> Spectrum {
+        let metal = self.colour.map(|c| schlick(c, cos));
+        metal * self.metalness + Spectrum::splat(self.coated() * schlick(self.f0(), cos))
+    }
+    /// Of the light on a facet of the glass, the reflected part.
+    fn glass_reflectance(&self, arrival: &Arrival, cos: f64) -> f64 {
+        if self.thin {
+            return schlick(self.f0(), cos);
+        }
+        fresnel::dielectric(cos, self.interface().eta(arrival)).reflectance
+    }
+    /// T: the part of a direction's light that the coat does not return.
+    fn entering(&self, cos: f64) -> f64 {
+        let f0 = self.f0();
+        match self.facets {
+            Some(facets) => (1.0 - facet_albedo::albedo(f0, cos, facets.alpha()) - facet_albedo::ERROR).max(0.0),
+            None => 1.0 - schlick(f0, cos),
+        }
+    }
+
+    pub fn deltas(&self, arrival: &Arrival) -> LocalDeltas {
+        if self.facets.is_some() {
+            return [None; 2];
+        }
+        let wo = arrival.wo;
+        let cos = wo.z.min(1.0);
+        let glass = self.glass();
+        let refracted = if self.thin {
+            Some((-wo, 1.0 - schlick(self.f0(), cos)))
+        } else {
+            let eta = self.interface().eta(arrival);
+            let interface = fresnel::dielectric(cos, eta);
+            interface.cos_t.map(|cos_t| (Vec3::new(-eta * wo.x, -eta * wo.y, -cos_t), interface.transmittance))
+        };
+        let glass_reflects = Spectrum::splat(glass * self.glass_reflectance(arrival, cos));
+        let weight = self.facet_reflectance(cos) + glass_reflects;
+        let reflection = LocalDelta { wi: mirrored(wo), weight, eta: None };
+        let eta = Some(self.transmitted_eta(arrival));
+        let transmission = refracted.filter(|_| glass > 0.0).map(|(wi, through)| LocalDelta {
+            wi,
+            weight: self.colour * (glass * through),
+            eta,
+        });
+        [Some(reflection), transmission]
+    }
+
+    pub fn f(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
+        let wo = arrival.wo;
+        let mut f = Spectrum::BLACK;
+        if wi.z > 0.0 && self.coated() > 0.0 {
+            let through = self.entering(wo.z) * self.entering(wi.z) / self.mean_entering;
+            f += self.colour * (self.coated() * through * FRAC_1_PI);
+        }
+        let Some(facets) = self.facets else { return f };
+        if wi.z > 0.0 {
+            let m = (wo + wi).normalize();
+            let shape = facets.d(m) * facets.g2_reflection(wo, wi) / (4.0 * wo.z * wi.z);
+            f += self.facet_reflectance(wo.dot(m).clamp(0.0, 1.0)) * shape;
+        }
+        if self.glass() > 0.0 {
+            let tint = if wi.z > 0.0 { Spectrum::ONE } else { self.colour };
+            let glass = match self.thin {
+                true => Spectrum::splat(ThinGlass { f0: self.f0(), facets }.f(arrival, wi)),
+                false => RoughDielectric { interface: self.interface(), facets }.f(arrival, wi),
+            };
+            f += glass * tint * self.glass();
+        }
+        f
+    }
+
+    /// In proportion to what each lobe sends on, as far as the mean facet tells.
+    fn choice(&self, arrival: &Arrival) -> Option<Choice> {
+        let cos = arrival.wo.z.min(1.0);
+        let base = self.coated() * self.colour.mean() * self.entering(cos);
+        let (facets, glass) = match self.facets {
+            Some(_) => {
+                let least = LEAST_REFLECTANCE * (self.metalness + self.coated());
+                (self.facet_reflectance(cos).mean().max(least), self.glass())
+            }
+            None => (0.0, 0.0),
+        };
+        let total = facets + base + glass;
+        (total > 0.0).then(|| Choice { facets: facets / total, base: base / total, glass: glass / total })
+    }
+
+    pub fn pdf(&self, arrival: &Arrival, wi: Vec3) -> f64 {
+        let wo = arrival.wo;
+        let Some(choice) = self.choice(arrival) else { return 0.0 };
+        let mut pdf = choice.base * cosine_pdf(wi);
+        let Some(facets) = self.facets else { return pdf };
+        if wi.z > 0.0 {
+            let m = (wo + wi).normalize();
+            pdf += choice.facets * facets.visible_pdf(wo, m) / (4.0 * wo.dot(m));
+        }
+        if choice.glass > 0.0 {
+            pdf += choice.glass
+                * match self.thin {
+                    true => ThinGlass { f0: self.f0(), facets }.pdf(arrival, wi),
+                    false => RoughDielectric { interface: self.interface(), facets }.pdf(arrival, wi),
+                };
+        }
+        pdf
+    }
+
+    pub fn sample(&self, arrival: &Arrival, uc: f64, u: [f64; 2]) -> Option<Vec3> {
+        let choice = self.choice(arrival)?;
+        let Some(facets) = self.facets.filter(|_| uc >= choice.base) else { return Some(sample_cosine(u)) };
+        let left = uc - choice.base;
+        if left < choice.facets {
+            let wi = reflected(arrival.wo, facets.visible(arrival.wo).sample(u).to_vec());
+            return (wi.z > 0.0).then_some(wi);
+        }
+        if choice.glass <= 0.0 {
+            return None;
+        }
+        let uc = ((left - choice.facets) / choice.glass).min(1.0);
+        match self.thin {
+            true => ThinGlass { f0: self.f0(), facets }.sample(arrival, uc, u),
+            false => RoughDielectric { interface: self.interface(), facets }.sample(arrival, uc, u),
+        }
+    }
+
+    /// What the base returns of light from `wo`: ∫ f cos dwi of it.
+    pub fn base_albedo(&self, arrival: &Arrival) -> Spectrum {
+        self.colour * (self.coated() * self.entering(arrival.wo.z.min(1.0)))
+    }
+    /// Exact where the facets are smooth; else the mean facet answers for metal and glass.
+    pub fn albedo(&self, arrival: &Arrival) -> Spectrum {
+        let cos = arrival.wo.z.min(1.0);
+        let reflected = self.glass_reflectance(arrival, cos);
+        let glass = Spectrum::splat(reflected) + self.colour * (1.0 - reflected);
+        let metal = self.colour.map(|c| schlick(c, cos));
+        let coat = self.coated() * (1.0 - self.entering(cos));
+        metal * self.metalness + Spectrum::splat(coat) + self.base_albedo(arrival) + glass * self.glass()
+    }
+}
+
+/// ((n − 1)/(n + 1))².
+fn normal_reflectance(n: f64) -> f64 {
+    let r = (n - 1.0) / (n + 1.0);
+    r * r
+}

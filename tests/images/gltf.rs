@@ -1,0 +1,80 @@
+//! Every glTF file of the shared data on both backends: no panic, something to see, the same picture; and a contact sheet of
+//! them all to look at, `gltf.png` in the target folder's `tmp`.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+use pdembree::film::Image;
+use pdembree::import::{Override, load};
+use pdembree::output::png::to_rgb8;
+use pdembree::render::progress::Silent;
+use pdembree::render::render;
+use pdembree::scene::settings::BackendKind;
+use pdembree::world::World;
+
+use crate::support::data::shared;
+
+const SIZE: [u32; 2] = [160, 120];
+const COLUMNS: usize = 6;
+
+/// Files in folders of the shared one, those that are broken on purpose left out.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = |folder: &Path| {
+        let entries = std::fs::read_dir(folder).expect("readable");
+        entries.map(|entry| entry.expect("an entry").path()).collect::<Vec<_>>()
+    };
+    let sound = entries(folder).into_iter().filter(|path| path.is_dir() && !path.ends_with("invalid"));
+    let mut files: Vec<PathBuf> = sound.flat_map(|folder| entries(&folder)).collect();
+    files.retain(|path| path.extension().is_some_and(|e| e == "gltf" || e == "glb"));
+    files.sort();
+    files
+}
+
+fn picture(path: &Path, backend: BackendKind) -> Image {
+    let overrides = [
+        Override::new("camera.resolution", format!("{SIZE:?}")),
+        Override::new("render.backend", backend.name()),
+        Override::new("render.spp", "4"),
+        Override::new("render.photons", "20000"),
+    ];
+    let loaded = load(path, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
+    let world = World::new(loaded.scene).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    render(&world, &Silent).unwrap_or_else(|error| panic!("{}: {error}", path.display())).film.resolve()
+}
+
+/// Mean over the picture of all channels.
+fn mean(image: &Image) -> f64 {
+    let rgb = image.rgb("").expect("a beauty");
+    let sum: f64 = rgb.iter().flat_map(|channel| channel.iter()).map(|v| f64::from(*v)).sum();
+    sum / (3 * image.pixels()) as f64
+}
+
+fn paste(sheet: &mut RgbImage, index: usize, image: &Image) {
+    let pixels = to_rgb8(image, "", 0.0).expect("a beauty");
+    let tile = RgbImage::from_raw(image.width, image.height, pixels).expect("of this size");
+    let [x, y] = [index % COLUMNS, index / COLUMNS];
+    image::imageops::replace(sheet, &tile, x as i64 * i64::from(SIZE[0]), y as i64 * i64::from(SIZE[1]));
+}
+
+#[test]
+fn every_shared_gltf_file_renders_alike_on_both_backends() {
+    let Some(folder) = shared("gltf") else { return };
+    let files = files(&folder);
+    assert!(files.len() > 20, "{files:?}");
+    let rows = files.len().div_ceil(COLUMNS) as u32;
+    let mut sheet = RgbImage::new(COLUMNS as u32 * SIZE[0], rows * SIZE[1]);
+    for (index, path) in files.iter().enumerate() {
+        let image = picture(path, BackendKind::Obvhs);
+        let seen = mean(&image);
+        assert!(seen.is_finite() && seen > 0.0, "{}: {seen}", path.display());
+        if cfg!(feature = "embree") {
+            // The same numbers are drawn; only rays within rounding of an edge may meet something else.
+            let other = mean(&picture(path, BackendKind::Embree));
+            assert!((other - seen).abs() < 0.01 * seen, "{}: {seen} and {other}", path.display());
+        }
+        paste(&mut sheet, index, &image);
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gltf.png");
+    sheet.save(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    println!("{} files, top left to bottom right in the order of their names: {}", files.len(), path.display());
+}
