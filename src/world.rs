@@ -67,7 +67,11 @@ impl World {
 
     fn bsdf_with(&self, si: &Interaction, lookup: impl FnOnce(&Parametrisation) -> Lookup) -> Bsdf {
         let material = &self.scene.materials[si.material.index()];
-        let lookup = if material.has_image() { lookup(&si.parametrisation(&self.scene)) } else { Lookup::default() };
+        let mut lookup =
+            if material.has_image() { lookup(&si.parametrisation(&self.scene)) } else { Lookup::default() };
+        if material.is_tinted_by_vertices() {
+            lookup.tint = si.vertex_colour(&self.scene);
+        }
         Bsdf::new(material, &self.textures, si, &lookup)
     }
 

@@ -87,6 +87,7 @@ impl MeshFile {
                     part.mesh.positions.push(self.mesh.positions[vertex]);
                     part.mesh.normals.extend(self.mesh.normals.get(vertex));
                     part.mesh.uvs.extend(self.mesh.uvs.get(vertex));
+                    part.mesh.colours.extend(self.mesh.colours.get(vertex));
                     part.mesh.positions.len() as u32 - 1
                 })
             }));

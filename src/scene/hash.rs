@@ -284,6 +284,11 @@ impl Canonical {
             let bytes: Vec<u8> = block.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
             self.bytes(&bytes);
         }
+        // Only where there are some, as with settings.
+        if !mesh.colours.is_empty() {
+            self.tag("colours");
+            self.singles(&mesh.colours);
+        }
     }
 
     fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {

@@ -54,6 +54,11 @@ impl Material {
         }
     }
 
+    /// Whether colours of vertices change it.
+    pub fn is_tinted_by_vertices(&self) -> bool {
+        matches!(self, Material::Principled { .. })
+    }
+
     /// Whether a BSDF of this material can focus light: it has a delta lobe, or one of microfacets that is not of one class
     /// with a diffuse base.
     pub fn can_focus(&self) -> bool {

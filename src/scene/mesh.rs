@@ -12,6 +12,8 @@ pub struct TriangleMesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates, one a vertex, or empty.
     pub uvs: Vec<[f32; 2]>,
+    /// What principled materials' base colours are multiplied by, linear Rec.709, one a vertex, or empty.
+    pub colours: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
 }
 

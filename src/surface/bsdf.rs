@@ -106,7 +106,7 @@ impl Bsdf {
                 // What the material is smooth or diffuse by holds all over it, whatever a filtered image says.
                 let facets = (!material.is_smooth()).then(|| Ggx::new(number(alpha).max(Ggx::SMOOTH_BELOW)));
                 Model::Principled(Principled::new(Parameters {
-                    colour: colour(base_colour),
+                    colour: colour(base_colour) * texture.tint.unwrap_or(Spectrum::ONE),
                     metalness: number(metalness),
                     transmission: number(transmission),
                     ior: *ior,

@@ -4,6 +4,7 @@ use super::interaction::Interaction;
 use super::triangle;
 use crate::differential::Differential;
 use crate::math::{Frame, Normal3, Vec2, Vec3};
+use crate::radiometry::Spectrum;
 use crate::scene::{ObjectGeometry, Scene};
 use crate::shape::Parametrisation;
 
@@ -21,6 +22,18 @@ impl Interaction {
         };
         let (dpdu, dpdv) = spanning(to_world.vector(local.dpdu), to_world.vector(local.dpdv), self.ng);
         Parametrisation { uv: local.uv, dpdu, dpdv }
+    }
+}
+
+impl Interaction {
+    /// The colour of the mesh's vertices here, if they have one.
+    pub fn vertex_colour(&self, scene: &Scene) -> Option<Spectrum> {
+        match &scene.objects[self.object.index()].geometry {
+            ObjectGeometry::Mesh { mesh, .. } => {
+                triangle::colour(&scene.meshes[mesh.index()], self.primitive, self.barycentric)
+            }
+            ObjectGeometry::Shape { .. } => None,
+        }
     }
 }
 
@@ -43,12 +56,14 @@ pub struct Lookup {
     pub uv: Vec2,
     /// ∂(u, v)/∂x and ∂(u, v)/∂y of the pixel; zero for a lookup at a point.
     pub footprint: [Vec2; 2],
+    /// What the base colour is multiplied by.
+    pub tint: Option<Spectrum>,
 }
 
 impl Lookup {
     /// At a point.
     pub fn point(at: &Parametrisation) -> Lookup {
-        Lookup { uv: at.uv, footprint: [Vec2::ZERO; 2] }
+        Lookup { uv: at.uv, footprint: [Vec2::ZERO; 2], tint: None }
     }
 
     /// Over the footprint of a camera ray that was transferred to the surface: ∂(u, v)/∂k of each column is the
@@ -63,6 +78,6 @@ impl Lookup {
             let uv = Vec2::new(g * along_u - f * along_v, e * along_v - f * along_u) / determinant;
             if uv.is_finite() { uv } else { Vec2::ZERO }
         });
-        Lookup { uv: at.uv, footprint }
+        Lookup { uv: at.uv, footprint, tint: None }
     }
 }

@@ -5,6 +5,7 @@ use super::interaction::{Found, reach, to_object, to_world_normal};
 use crate::backend::RawHit;
 use crate::differential::ShapeOperator;
 use crate::math::{Normal3, Point3, Ray, Transform, Vec2, Vec3};
+use crate::radiometry::Spectrum;
 use crate::scene::TriangleMesh;
 use crate::shape::Parametrisation;
 
@@ -94,6 +95,17 @@ fn shading_normal(
         Some((ns, shape)) if ns.dot(ng) < 0.0 => (-ns, shape.flipped()),
         Some(found) => found,
     }
+}
+
+/// The colour that the vertices have been given, interpolated.
+pub(super) fn colour(mesh: &TriangleMesh, primitive: u32, [l1, l2]: [f64; 2]) -> Option<Spectrum> {
+    if mesh.colours.is_empty() {
+        return None;
+    }
+    let corners = mesh.triangles[primitive as usize].map(|i| mesh.colours[i as usize].map(f64::from));
+    let [a, b, c] = corners.map(Spectrum::from);
+    // A hit that was found again may lie a little outside.
+    Some((a + (b - a) * l1 + (c - a) * l2).map(|x| x.clamp(0.0, 1.0)))
 }
 
 /// Texture coordinates and their tangents in object space where the barycentric weights are `l`; a mesh without texture

@@ -6,7 +6,7 @@ use proptest::prelude::{ProptestConfig, any, prop, proptest};
 use serde_json::{Value, json};
 
 use pdembree::import::gltf::{GltfScene, is_gltf, parse};
-use pdembree::import::{Override, load};
+use pdembree::import::{Override, load, load_text};
 use pdembree::scene::description::{CameraModelDescription, LightModel, TransformMap};
 use pdembree::scene::error::Problems;
 use pdembree::scene::{LightSource, TriangleMesh};
@@ -72,6 +72,25 @@ fn embedded_binary_and_external_buffers_hold_the_same() {
     assert_eq!(only_mesh(&embedded).uvs, [[0.0f32; 2]; 0], "no image, no coordinates");
     let missing = parse(&folder.path().join("t.gltf"), &file.text_with("c.bin")).map(drop).expect_err("no such file");
     assert!(missing.only_missing_inputs() && missing.to_string().contains("c.bin"), "{missing}");
+}
+
+#[test]
+fn vertices_have_their_colours() {
+    for (dimensions, kind, data) in [
+        ("VEC3", F32, floats(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0])),
+        ("VEC4", U8, [255, 0, 0, 9, 0, 255, 0, 9, 0, 0, 255, 9].to_vec()),
+    ] {
+        let mut file = Gltf::triangle();
+        let colours = file.accessor(dimensions, kind, 3, &data);
+        let file = file.set("/meshes/0/primitives/0/attributes/COLOR_0", json!(colours));
+        assert_eq!(
+            only_mesh(&read(&file)).colours,
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            "{dimensions}"
+        );
+        let plain = loaded(&Gltf::triangle(), &[]).expect("a scene").scene.hash;
+        assert_ne!(loaded(&file, &[]).expect("a scene").scene.hash, plain);
+    }
 }
 
 #[test]
@@ -300,6 +319,38 @@ fn a_file_alone_is_a_scene() {
     assert_ne!(alone.scene.hash, scene.hash);
     let wrong = loaded(&Gltf::triangle(), &[Override::new("render.spp", "0.5")]).map(drop).expect_err("half a sample");
     assert!(wrong.to_string().contains("-D render.spp=0.5"), "{wrong}");
+}
+
+/// A scene file takes a glTF file in and has its own word on materials, lights and single values of the camera.
+#[test]
+fn a_scene_file_includes_a_gltf_file_and_overrides_it() {
+    let light = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    let mut file = with_camera(json!({"type": "perspective", "perspective": {"yfov": 0.7, "znear": 1}}))
+        .set("/meshes/0/primitives/0/material", json!(0))
+        .set("/extensions", light)
+        .set("/nodes/0/extensions", json!({"KHR_lights_punctual": {"light": 0}}));
+    file.push("materials", json!({"name": "Paint"}));
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("t.glb"), file.glb()).expect("written");
+    let scene = |text: &str| {
+        let text = format!("format = 1\ninclude = \"t.glb\"\n{text}");
+        load_text(&folder.path().join("s.toml"), &text, &[])
+    };
+    let plain = scene("").unwrap_or_else(|problems| panic!("{problems}")).scene;
+    assert!(matches!(plain.lights[..], [LightSource::Point { .. }]));
+    assert_eq!((plain.camera.resolution, plain.camera.position.x), ([960, 720], 4.0));
+    let own = "[camera]\nresolution = [4, 3]\n[materials.Paint]\ntype = \"mirror\"\nreflectance = 0.5\n\
+               [[objects]]\nshape = \"sphere\"\ncentre = [0, 0, 0]\nradius = 1\nmaterial = \"Paint\"\n\
+               [[lights]]\ntype = \"environment\"\nradiance = 1\n";
+    let own = scene(own).unwrap_or_else(|problems| panic!("{problems}")).scene;
+    assert!(matches!(own.lights[..], [LightSource::Environment { .. }]));
+    assert_eq!((own.camera.resolution, own.camera.position.x), ([4, 3], 4.0));
+    assert!(own.objects.len() == 2 && matches!(own.materials[..], [pdembree::scene::Material::Mirror { .. }]));
+    for (name, message) in [("x.gltf", "cannot read"), ("x.obj", "`x.obj` is no file that can be included")] {
+        let text = format!("format = 1\ninclude = \"{name}\"\n");
+        let said = load_text(&folder.path().join("s.toml"), &text, &[]).map(drop).expect_err("no file").to_string();
+        assert!(said.contains("s.toml:2:11") && said.contains(message), "{said}");
+    }
 }
 
 #[test]

@@ -29,6 +29,7 @@ fn bent_triangle(smooth: bool) -> TriangleMesh {
         [x / l, y / l, z / l]
     };
     TriangleMesh {
+        colours: Vec::new(),
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [0.0, 1.0, -0.05]],
         normals: if smooth { vec![unit(-0.2, -0.1, 1.0), unit(0.25, 0.0, 1.0), unit(0.0, 0.3, 1.0)] } else { vec![] },
         uvs: vec![[0.1, 0.2], [0.9, 0.3], [0.2, 1.4]],
@@ -181,6 +182,7 @@ fn the_origin_offset_covers_the_rounding_of_everything_that_enters() {
 #[test]
 fn degenerate_triangles_and_rays_in_the_plane_give_finite_numbers_and_say_so() {
     let flat = |positions: Vec<[f32; 3]>| TriangleMesh {
+        colours: Vec::new(),
         positions,
         normals: vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0; 3]],
         uvs: vec![[0.5, 0.5]; 3],

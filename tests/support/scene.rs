@@ -65,6 +65,7 @@ pub fn geode() -> TriangleMesh {
             .collect();
     }
     TriangleMesh {
+        colours: Vec::new(),
         positions: faces.iter().flatten().map(|p| p.to_array().map(|c| c as f32)).collect(),
         normals: vec![],
         uvs: vec![],

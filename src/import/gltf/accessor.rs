@@ -11,6 +11,14 @@ pub(super) type Kinds = &'static [(Dimensions, DataType)];
 pub(super) const VECTORS: Kinds = &[(Dimensions::Vec3, DataType::F32)];
 pub(super) const TEXTURE_COORDINATES: Kinds =
     &[(Dimensions::Vec2, DataType::F32), (Dimensions::Vec2, DataType::U8), (Dimensions::Vec2, DataType::U16)];
+pub(super) const COLOURS: Kinds = &[
+    (Dimensions::Vec3, DataType::F32),
+    (Dimensions::Vec3, DataType::U8),
+    (Dimensions::Vec3, DataType::U16),
+    (Dimensions::Vec4, DataType::F32),
+    (Dimensions::Vec4, DataType::U8),
+    (Dimensions::Vec4, DataType::U16),
+];
 pub(super) const INDICES: Kinds =
     &[(Dimensions::Scalar, DataType::U8), (Dimensions::Scalar, DataType::U16), (Dimensions::Scalar, DataType::U32)];
 

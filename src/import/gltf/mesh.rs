@@ -3,7 +3,7 @@
 use gltf::Primitive;
 use gltf::mesh::Mode;
 
-use super::accessor::{self, INDICES, Kinds, TEXTURE_COORDINATES, VECTORS};
+use super::accessor::{self, COLOURS, INDICES, Kinds, TEXTURE_COORDINATES, VECTORS};
 use super::buffers::Buffers;
 use super::ignored::Ignored;
 use crate::scene::mesh::TriangleMesh;
@@ -19,8 +19,8 @@ impl Budget {
         Budget(buffers.total_bytes().saturating_mul(LARGEST_GROWTH))
     }
     fn spend(&mut self, vertices: usize, corners: usize) -> Result<(), String> {
-        // Position, normal and texture coordinates of a vertex; a strip has a triangle for each corner.
-        let bytes = vertices.saturating_mul(32).saturating_add(corners.saturating_mul(12));
+        // Position, normal, texture coordinates and colour of a vertex; a strip has a triangle for each corner.
+        let bytes = vertices.saturating_mul(44).saturating_add(corners.saturating_mul(12));
         self.0 =
             self.0.checked_sub(bytes).ok_or("the primitives together are far larger than the buffers they lie in")?;
         Ok(())
@@ -51,6 +51,7 @@ pub(super) fn read(
     };
     per_vertex(gltf::Semantic::Positions, VECTORS)?;
     let has_normals = per_vertex(gltf::Semantic::Normals, VECTORS)?;
+    let has_colours = per_vertex(gltf::Semantic::Colors(0), COLOURS)?;
     let has_uvs = uv_set.map(|set| per_vertex(gltf::Semantic::TexCoords(set), TEXTURE_COORDINATES)).transpose()?;
     let corners = match primitive.indices() {
         Some(indices) => accessor::check(&indices, buffers, INDICES).map(|()| indices.count())?,
@@ -77,6 +78,10 @@ pub(super) fn read(
             ignored.note("normals without length (computed instead)");
             mesh.angle_weighted_normals()
         });
+    }
+    if has_colours {
+        let colours = reader.read_colors(0).into_iter().flat_map(|colours| colours.into_rgb_f32());
+        mesh.colours = colours.map(|colour| colour.map(|c| c.clamp(0.0, 1.0))).collect();
     }
     if let Some(set) = uv_set {
         mesh.uvs = match has_uvs {

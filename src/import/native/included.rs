@@ -1,11 +1,15 @@
 //! What a glTF file brings into a scene, and what stands in for what it lacks.
 
+use std::path::Path;
+
 use crate::import::assets::Assets;
-use crate::import::gltf::GltfScene;
+use crate::import::gltf::{self, GltfScene};
+use crate::import::keyed::convert::Text;
+use crate::import::keyed::reader::Section;
 use crate::scene::description::{
-    CameraDescription, ExtentDescription, LightDescription, LightModel, ObjectDescription,
+    CameraDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription, ObjectDescription,
 };
-use crate::scene::error::{Problem, Source};
+use crate::scene::error::{Problem, Problems, Source};
 
 /// What stands in for lights: an even sky, W/(m²·sr), and a sun from above, to the right and before the things, W/m². The sky
 /// alone would show white things as nothing.
@@ -13,16 +17,32 @@ const SKY: [f64; 3] = [0.5; 3];
 const SUN: [f64; 3] = [2.0; 3];
 const SUN_DIRECTION: [f64; 3] = [-0.4, -0.8, -0.5];
 
-/// A file whose meshes, textures and materials are among the assets.
+/// A file whose meshes and textures are among the assets.
 pub(super) struct Included {
     source: Source,
     /// The file's, or one that has everything in view.
     pub camera: CameraDescription,
     has_camera: bool,
+    materials: Vec<MaterialDescription>,
     objects: Vec<ObjectDescription>,
     lights: Vec<LightDescription>,
     is_lit: bool,
     warnings: Vec<Problem>,
+}
+
+/// The glTF file that `include` names, if it can be read.
+pub(super) fn read(root: &Section<'_>, folder: &Path) -> Option<GltfScene> {
+    let value = root.get("include")?;
+    let name = root.reader.convert("include", value, &Text)?;
+    let path = folder.join(&name);
+    let used_at = root.reader.source(value.span());
+    if !gltf::is_gltf(&path) {
+        let problem = Problem::new(format!("`{name}` is no file that can be included"));
+        root.reader.report(problem.help("glTF files are, whose names end in .gltf or .glb").at(&used_at));
+        return None;
+    }
+    let placed = |problems: Problems| Problems(problems.0.into_iter().map(|p| p.at_unless_placed(&used_at)).collect());
+    gltf::read(&path).map_err(|problems| root.reader.report_all(placed(problems))).ok()
 }
 
 impl Included {
@@ -30,22 +50,27 @@ impl Included {
     pub fn into_assets(gltf: GltfScene, assets: &mut Assets) -> Included {
         let (has_camera, framing) = (gltf.camera.is_some(), gltf.framing_camera());
         let GltfScene { source, camera, materials, textures, meshes, objects, lights, is_lit, warnings, .. } = gltf;
-        assets.materials = materials;
         assets.textures = textures;
         assets.meshes = meshes;
-        Included { source, camera: camera.unwrap_or(framing), has_camera, objects, lights, is_lit, warnings }
+        Included { source, camera: camera.unwrap_or(framing), has_camera, materials, objects, lights, is_lit, warnings }
     }
 
-    /// Puts the file's things before the scene's own; returns what is to be said about it.
+    /// Puts the file's things before the scene's own, which take the place of materials of the same name and of all lights
+    /// that are no objects; returns what is to be said about it.
     pub fn add_to(
         mut self,
+        materials: &mut Vec<MaterialDescription>,
         objects: &mut Vec<ObjectDescription>,
         lights: &mut Vec<LightDescription>,
         camera_is_given: bool,
     ) -> Vec<Problem> {
         let is_lit = self.is_lit || !lights.is_empty() || objects.iter().any(|object| object.emission.is_some());
+        self.materials.retain(|own| materials.iter().all(|material| material.name != own.name));
+        materials.splice(0..0, self.materials);
         objects.splice(0..0, self.objects);
-        lights.splice(0..0, self.lights);
+        if lights.is_empty() {
+            lights.append(&mut self.lights);
+        }
         let mut say = |what: &str, help: &str| self.warnings.push(Problem::new(what).help(help).at(&self.source));
         if !self.has_camera && !camera_is_given {
             say("the file has no camera: one that has everything in view stands in", "set camera.position and others");

@@ -69,6 +69,7 @@ fn describe_with(
 fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> SceneDescription {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut assets = Assets::new(folder);
+    let included = included.or_else(|| included::read(&root, folder));
     let included = included.map(|gltf| Included::into_assets(gltf, &mut assets));
     let file = root.reader.texts.file().clone();
 
@@ -79,7 +80,7 @@ fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> Sc
     let render = root.table("render");
     let settings_source = render.as_ref().map_or(file.clone(), Section::source);
     let settings = render.map(camera::read_settings).unwrap_or_default();
-    let materials = materials::read(&root, &mut assets);
+    let mut materials = materials::read(&root, &mut assets);
     let mut objects = objects::read(&root, &mut assets);
     let mut lights = lights::read(&root);
     // A free table that closed-form tests read.
@@ -87,7 +88,8 @@ fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> Sc
     root.finish();
     let mut warnings = Vec::new();
     if let Some(included) = included {
-        warnings = included.add_to(&mut objects, &mut lights, root.get("camera").is_some());
+        let camera_is_given = root.get("camera").is_some();
+        warnings = included.add_to(&mut materials, &mut objects, &mut lights, camera_is_given);
     }
 
     SceneDescription {

@@ -19,7 +19,7 @@ pub(super) fn make_sound(described: &mut MeshDescription, report: &mut Report) -
     let source = described.source.clone();
     let before = report.problems.len();
     let mut refuse = |message: String, help: &str| report.problem(Problem::new(message).help(help).at(&source));
-    let TriangleMesh { positions, normals, uvs, triangles } = &described.mesh;
+    let TriangleMesh { positions, normals, uvs, colours, triangles } = &described.mesh;
     let vertices = positions.len();
     if triangles.is_empty() {
         refuse("the mesh has no triangle".to_owned(), "is the file empty, or all points and lines?");
@@ -28,7 +28,7 @@ pub(super) fn make_sound(described: &mut MeshDescription, report: &mut Report) -
         refuse(format!("the mesh has {} triangles over {vertices} vertices", triangles.len()), "split it");
     }
     let per_vertex = |n: usize| n == 0 || n == vertices;
-    if !per_vertex(normals.len()) || !per_vertex(uvs.len()) {
+    if !per_vertex(normals.len()) || !per_vertex(uvs.len()) || !per_vertex(colours.len()) {
         let counts = format!("{vertices} vertices, {} normals, {} texture coordinates", normals.len(), uvs.len());
         refuse(format!("the mesh has {counts}"), "there must be none, or one a vertex");
     }
@@ -40,6 +40,9 @@ pub(super) fn make_sound(described: &mut MeshDescription, report: &mut Report) -
     }
     if let Some(i) = uvs.iter().position(|uv| !uv.iter().all(|x| x.is_finite())) {
         refuse(format!("texture coordinate {i} is {:?}", uvs[i]), "it must be finite");
+    }
+    if let Some(i) = colours.iter().position(|colour| !colour.iter().all(|c| (0.0..=1.0).contains(c))) {
+        refuse(format!("the colour of vertex {i} is {:?}", colours[i]), "its components must be from 0 to 1");
     }
     let out_of_range = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices);
     if let Some(prim) = triangles.iter().position(out_of_range) {
