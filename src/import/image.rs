@@ -64,10 +64,23 @@ pub(super) fn from_bytes(
     space: Option<ColourSpace>,
     wrap: [Wrap; 2],
 ) -> Result<ImageTexture, Problem> {
-    decode(path, bytes, space, wrap).map_err(|what| {
-        let problem = Problem::new(format!("cannot use the image: {what}")).at(&Source::file(path));
-        problem.help("images are whole PNG, JPEG, TIFF, Radiance HDR or OpenEXR files of at most 2^27 texels")
-    })
+    decode(path, bytes, space, wrap).map_err(|what| unusable(path, &what))
+}
+
+/// The opacity of an image's texels, in all three components; 1 where it has none.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn opacity(path: &Path, bytes: &[u8], wrap: [Wrap; 2]) -> Result<ImageTexture, Problem> {
+    let image = decode_dynamic(path, bytes).map_err(|what| unusable(path, &what))?.into_rgba32f();
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let texels = image.pixels().map(|p| [p.0[3]; 3]).collect();
+    Ok(ImageTexture { width, height, texels, wrap, placement: Placement::IDENTITY })
+}
+
+fn unusable(path: &Path, what: &str) -> Problem {
+    let problem = Problem::new(format!("cannot use the image: {what}")).at(&Source::file(path));
+    problem.help("images are whole PNG, JPEG, TIFF, Radiance HDR or OpenEXR files of at most 2^27 texels")
 }
 
 fn decode(path: &Path, bytes: &[u8], space: Option<ColourSpace>, wrap: [Wrap; 2]) -> Result<ImageTexture, String> {
@@ -109,6 +122,18 @@ fn check_size(width: u64, height: u64) -> Result<(), String> {
 }
 
 fn decode_other(path: &Path, bytes: &[u8]) -> Result<Decoded, String> {
+    let image = decode_dynamic(path, bytes)?;
+    let floating = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    let rgb = image.into_rgb32f();
+    Ok(Decoded {
+        width: rgb.width() as usize,
+        height: rgb.height() as usize,
+        texels: rgb.pixels().map(|p| p.0).collect(),
+        default_space: if floating { ColourSpace::Linear } else { ColourSpace::Srgb },
+    })
+}
+
+fn decode_dynamic(path: &Path, bytes: &[u8]) -> Result<DynamicImage, String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
@@ -124,15 +149,7 @@ fn decode_other(path: &Path, bytes: &[u8]) -> Result<Decoded, String> {
     };
     let (width, height) = reader()?.into_dimensions().map_err(|e| e.to_string())?;
     check_size(width.into(), height.into())?;
-    let image = reader()?.decode().map_err(|e| e.to_string())?;
-    let floating = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
-    let rgb = image.into_rgb32f();
-    Ok(Decoded {
-        width: width as usize,
-        height: height as usize,
-        texels: rgb.pixels().map(|p| p.0).collect(),
-        default_space: if floating { ColourSpace::Linear } else { ColourSpace::Srgb },
-    })
+    reader()?.decode().map_err(|e| e.to_string())
 }
 
 fn decode_exr(bytes: &[u8]) -> Result<Decoded, String> {

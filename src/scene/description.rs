@@ -108,6 +108,7 @@ pub enum MaterialModel {
         metalness: Parameter<f64>,
         roughness: Parameter<f64>,
         transmission: Parameter<f64>,
+        coverage: Parameter<f64>,
         ior: f64,
         thin: bool,
     },

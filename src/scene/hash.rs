@@ -325,12 +325,12 @@ impl Canonical {
                 self.numbers(&[ior]);
                 self.colour(albedo, description);
             }
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
                 self.tag("principled");
                 self.numbers(&[ior]);
                 self.integer(thin.into());
                 self.colour(base_colour, description);
-                for number in [metalness, roughness, transmission] {
+                for number in [metalness, roughness, transmission, coverage] {
                     self.number(number, description);
                 }
             }

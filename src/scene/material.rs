@@ -24,11 +24,12 @@ pub enum Material {
     Plastic { albedo: Textured<Spectrum>, ior: f64 },
     /// Metal, a diffuse base under a dielectric coat, and glass, mixed: `metalness` of the first, and of the rest
     /// `transmission` of the last, each in [0, 1]. `alpha` is 0 for a smooth surface. `thin` glass has no thickness and
-    /// bends nothing.
+    /// bends nothing. Where `coverage` is below 1 the rest of the light goes straight on, as if nothing were there.
     Principled {
         base_colour: Textured<Spectrum>,
         metalness: Textured<f64>,
         transmission: Textured<f64>,
+        coverage: Textured<f64>,
         alpha: Textured<f64>,
         ior: f64,
         thin: bool,
@@ -45,8 +46,8 @@ impl Material {
             Material::RoughDielectric { alpha, .. } | Material::RoughConductor { alpha, .. } => {
                 matches!(alpha, Textured::Image { .. })
             }
-            Material::Principled { base_colour, metalness, transmission, alpha, .. } => {
-                let numbers = [metalness, transmission, alpha];
+            Material::Principled { base_colour, metalness, transmission, coverage, alpha, .. } => {
+                let numbers = [metalness, transmission, coverage, alpha];
                 matches!(base_colour, Textured::Image { .. })
                     || numbers.iter().any(|number| matches!(number, Textured::Image { .. }))
             }
@@ -59,12 +60,12 @@ impl Material {
         matches!(self, Material::Principled { .. })
     }
 
-    /// Whether a BSDF of this material can focus light: it has a delta lobe, or one of microfacets that is not of one class
-    /// with a diffuse base.
+    /// Whether a BSDF of this material can focus light: it has a delta lobe, were it straight on through holes, or one of microfacets
+    /// that is not of one class with a diffuse base.
     pub fn can_focus(&self) -> bool {
         match self {
             Material::Lambert { .. } => false,
-            Material::Principled { .. } => self.is_smooth() || !self.has_diffuse_base(),
+            Material::Principled { .. } => self.is_smooth() || self.has_holes() || !self.has_diffuse_base(),
             Material::Mirror { .. }
             | Material::Dielectric { .. }
             | Material::Conductor { .. }
@@ -88,6 +89,11 @@ impl Material {
         let Material::Principled { alpha, metalness, transmission, ior, thin, .. } = self else { return false };
         let all_glass = *metalness == Textured::Constant(0.0) && *transmission == Textured::Constant(1.0);
         *alpha == Textured::Constant(0.0) || all_glass && !thin && *ior == 1.0
+    }
+
+    /// Whether a principled material may let light through its holes somewhere.
+    pub fn has_holes(&self) -> bool {
+        matches!(self, Material::Principled { coverage, .. } if *coverage != Textured::Constant(1.0))
     }
 
     /// Whether a principled material may have a diffuse base somewhere: it is not all metal and not all glass.

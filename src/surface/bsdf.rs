@@ -102,17 +102,19 @@ impl Bsdf {
                 }
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
-            Material::Principled { base_colour, metalness, transmission, alpha, ior, thin } => {
+            Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin } => {
                 // What the material is smooth or diffuse by holds all over it, whatever a filtered image says.
                 let facets = (!material.is_smooth()).then(|| Ggx::new(number(alpha).max(Ggx::SMOOTH_BELOW)));
                 Model::Principled(Principled::new(Parameters {
                     colour: colour(base_colour) * texture.tint.unwrap_or(Spectrum::ONE),
                     metalness: number(metalness),
                     transmission: number(transmission),
+                    coverage: number(coverage),
                     ior: *ior,
                     facets,
                     thin: *thin,
                     diffuse: material.has_diffuse_base(),
+                    holes: material.has_holes(),
                 }))
             }
         };
@@ -376,12 +378,7 @@ impl Bsdf {
                 let coat: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
                 if base > 0.0 { base / (base + coat) } else { 0.0 }
             }
-            Model::Principled(m) if m.is_glossy() || !m.has_delta() => 1.0,
-            Model::Principled(m) => {
-                let base = m.base_albedo(&side.arrival).mean();
-                let facets: f64 = deltas.iter().map(|b| b.weight.mean()).sum();
-                if base > 0.0 { base / (base + facets) } else { 0.0 }
-            }
+            Model::Principled(m) => m.scatter_share(&side.arrival, deltas.iter().map(|b| b.weight.mean()).sum()),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
         }
     }

@@ -7,7 +7,7 @@ use pdembree::scene::Material;
 use pdembree::surface::{Event, TransportMode};
 
 use crate::support::bsdf::{
-    bent, direction, flat, glass, gold, lambert, mirror, plastic, principled, rough_glass, rough_gold,
+    bent, direction, flat, glass, gold, holed, lambert, mirror, plastic, principled, rough_glass, rough_gold,
 };
 
 const WHITE: [f64; 3] = [1.0; 3];
@@ -33,6 +33,7 @@ fn lobes_are_what_the_models_say() {
         (principled(WHITE, [1.0, 0.0, 0.0, 1.5], false), true, false),
         (principled(WHITE, [0.0, 1.0, 0.0, 1.5], true), true, false),
         (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), false, true),
+        (holed(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), 0.5), true, true),
         // The smooth limits.
         (rough_glass(1.5, 0.0), true, false),
         (rough_glass(1.0, 0.2), true, false),
@@ -60,6 +61,7 @@ fn materials_know_whether_they_can_focus() {
         (principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), false),
         (principled(WHITE, [0.5, 0.0, 0.0, 1.5], false), true),
         (principled(WHITE, [1.0, 0.0, 0.3, 1.5], false), true),
+        (holed(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), 0.5), true),
         (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), true),
     ] {
         assert_eq!(material.can_focus(), expected, "{material:?}");
@@ -273,6 +275,39 @@ fn a_smooth_principled_surface_is_the_sum_of_its_deltas() {
         assert!((mirrored.weight.g() - expected).abs() < 1e-15, "{mirrored:?}");
         for mode in MODES {
             assert!((through.transport_weight(mode) - through.weight).is_black(), "radiance goes through unchanged");
+        }
+    }
+}
+
+/// What is missing of a surface is a straight lobe, the same for both modes; the rest is the surface, as much as there is.
+#[test]
+fn light_goes_straight_on_through_holes() {
+    let part = 0.7;
+    for (material, branches) in [
+        (principled(WHITE, [0.3, 0.0, 0.3, 1.5], false), 1),
+        (principled(WHITE, [0.3, 0.0, 0.0, 1.5], false), 2),
+        (principled(WHITE, [0.3, 0.5, 0.0, 1.5], true), 2),
+    ] {
+        let (whole, partial) = (flat(&material), flat(&holed(material, part)));
+        for cos in [-0.8, 0.2, 1.0] {
+            let wo = direction(cos, 0.7);
+            let wi = direction(cos, 2.7);
+            let mode = TransportMode::Radiance;
+            assert_eq!(partial.f(wo, wi, mode), whole.f(wo, wi, mode) * part);
+            let deltas = partial.delta_branches(wo);
+            assert_eq!(deltas.len(), branches);
+            let straight = deltas.last().expect("a straight branch");
+            assert!((straight.wi.to_vec() + wo.to_vec()).length() < 1e-15 && straight.eta == Some(1.0));
+            let sum =
+                |bsdf: &pdembree::surface::Bsdf| bsdf.delta_branches(wo).iter().map(|b| b.weight.r()).sum::<f64>();
+            assert!((sum(&partial) - (part * sum(&whole) + 1.0 - part)).abs() < 1e-15);
+            // Everything is drawn as often as it must be: the weights of straight light are 1 where nothing else is a delta.
+            if let (1, Some(sample)) = (branches, partial.sample(wo, 0.9, [0.3, 0.6], mode)) {
+                assert_eq!(
+                    (sample.weight, sample.event),
+                    (Spectrum::ONE, Event::DeltaTransmission { probability: 1.0 - part, eta: 1.0 })
+                );
+            }
         }
     }
 }

@@ -62,11 +62,21 @@ pub fn plastic(albedo: [f64; 3], ior: f64) -> Material {
     Material::Plastic { albedo: Textured::Constant(Spectrum::from(albedo)), ior }
 }
 
+/// A principled material of which there is only a part.
+pub fn holed(material: Material, part: f64) -> Material {
+    let Material::Principled { base_colour, metalness, transmission, alpha, ior, thin, .. } = material else {
+        panic!("{material:?}")
+    };
+    let coverage = Textured::Constant(part);
+    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin }
+}
+
 /// A principled material of one colour: metalness, transmission, GGX width, index, whether glass is thin.
 pub fn principled(colour: [f64; 3], [metalness, transmission, alpha, ior]: [f64; 4], thin: bool) -> Material {
     let [metalness, transmission, alpha] = [metalness, transmission, alpha].map(Textured::Constant);
     let base_colour = Textured::Constant(Spectrum::from(colour));
-    Material::Principled { base_colour, metalness, transmission, alpha, ior, thin }
+    let coverage = Textured::Constant(1.0);
+    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin }
 }
 
 /// Every kind of lobe and mixture with facets of the width `alpha`.
@@ -81,6 +91,9 @@ pub fn principled_mixtures(alpha: f64) -> Vec<Material> {
         of(0.5, 0.0, false),
         of(0.3, 0.4, false),
         of(0.2, 0.6, true),
+        holed(of(0.2, 0.0, false), 0.7),
+        holed(of(1.0, 0.0, false), 0.4),
+        holed(of(0.2, 0.6, true), 0.4),
     ]
 }
 

@@ -93,6 +93,8 @@ impl Uses<'_, '_> {
 
 /// Of refraction, where a material does not say.
 const USUAL_INDEX: f32 = 1.5;
+/// Of alpha, likewise.
+const USUAL_CUTOFF: f32 = 0.5;
 
 /// Components of `f32` that were meant to be at most 1 are.
 fn share(x: f32) -> f64 {
@@ -112,10 +114,34 @@ fn model(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialMod
     };
     let thin = material.volume().is_none_or(|volume| volume.thickness_factor() == 0.0);
     let ior = index(material, uses.ignored);
-    let model = MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin };
+    let coverage = coverage(material, uses)?;
+    let model = MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin };
     match material.pbr_specular_glossiness() {
         Some(older) => specular_glossiness(&older, uses),
         None => Ok(without_unused_images(model)),
+    }
+}
+
+/// How much of a point is there: alpha itself, or whether it reaches the cutoff.
+fn coverage(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<Parameter<f64>, Problem> {
+    let pbr = material.pbr_metallic_roughness();
+    let [.., alpha] = pbr.base_color_factor();
+    let solid = material.transmission().is_some() && material.volume().is_some_and(|v| v.thickness_factor() > 0.0);
+    if solid && material.alpha_mode() != AlphaMode::Opaque {
+        uses.ignored.note("the alpha of solid glass");
+        return Ok(Parameter::Constant(1.0));
+    }
+    match material.alpha_mode() {
+        AlphaMode::Opaque => Ok(Parameter::Constant(1.0)),
+        AlphaMode::Blend => uses.number(pbr.base_color_texture(), Channels::Opacity, share(alpha)),
+        AlphaMode::Mask => {
+            let cutoff = material.alpha_cutoff().unwrap_or(USUAL_CUTOFF);
+            if pbr.base_color_texture().is_none() {
+                return Ok(Parameter::Constant(if alpha >= cutoff { 1.0 } else { 0.0 }));
+            }
+            // A factor of 0 leaves nothing that could reach a cutoff above 0.
+            uses.number(pbr.base_color_texture(), Channels::Mask((cutoff / alpha).to_bits()), 1.0)
+        }
     }
 }
 
@@ -140,6 +166,7 @@ fn specular_glossiness(older: &PbrSpecularGlossiness<'_>, uses: &mut Uses<'_, '_
         metalness: Parameter::Constant(0.0),
         roughness: Parameter::Constant(1.0 - share(older.glossiness_factor())),
         transmission: Parameter::Constant(0.0),
+        coverage: Parameter::Constant(1.0),
         ior: USUAL_INDEX.into(),
         thin: true,
     })
@@ -152,9 +179,9 @@ fn without_unused_images(model: MaterialModel) -> MaterialModel {
         other => other,
     };
     match model {
-        MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
             let [metalness, roughness, transmission] = [metalness, roughness, transmission].map(plain);
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin }
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin }
         }
         other => other,
     }
@@ -183,9 +210,4 @@ fn note_ignored(material: &Material<'_>, ignored: &mut Ignored) {
     ignored.note_if(material.unlit(), "KHR_materials_unlit (lit as others are)");
     let coloured = material.volume().is_some_and(|v| v.attenuation_color() != [1.0; 3]);
     ignored.note_if(coloured, "the attenuation of KHR_materials_volume");
-    match material.alpha_mode() {
-        AlphaMode::Opaque => {}
-        AlphaMode::Mask => ignored.note("alphaMode MASK"),
-        AlphaMode::Blend => ignored.note("alphaMode BLEND"),
-    }
 }

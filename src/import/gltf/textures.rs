@@ -8,7 +8,7 @@ use gltf::{Image, image};
 
 use super::buffers::Buffers;
 use super::uri::{Resource, resolve};
-use crate::import::image::{ColourSpace, from_bytes, read_file};
+use crate::import::image::{ColourSpace, from_bytes, opacity, read_file};
 use crate::scene::description::TextureDescription;
 use crate::scene::error::{Problem, Source};
 use crate::scene::texture::{ImageTexture, Placement, Wrap};
@@ -20,6 +20,9 @@ pub(super) enum Channels {
     Red,
     Green,
     Blue,
+    Opacity,
+    /// 1 where the opacity is at least the number of these bits, else 0.
+    Mask(u32),
 }
 
 #[derive(PartialEq, Eq, Hash)]
@@ -80,19 +83,28 @@ impl<'a> Textures<'a> {
 
     fn decode(&self, image: &Image<'_>, channels: Channels, wrap: [Wrap; 2]) -> Result<ImageTexture, Problem> {
         let space = if channels == Channels::Colour { ColourSpace::Srgb } else { ColourSpace::Linear };
+        let read = |path: &Path, bytes: &[u8]| match channels {
+            Channels::Opacity | Channels::Mask(_) => opacity(path, bytes, wrap),
+            _ => from_bytes(path, bytes, Some(space), wrap),
+        };
         let decoded = match image.source() {
             image::Source::View { view, .. } => {
                 let bytes = self.buffers.view(&view);
                 let bytes = bytes.ok_or_else(|| Problem::new("its buffer view reaches out of its buffer"))?;
-                from_bytes(&self.source.file, bytes, Some(space), wrap)?
+                read(&self.source.file, bytes)?
             }
             image::Source::Uri { uri, .. } => match resolve(uri, self.folder).map_err(Problem::new)? {
-                Resource::Embedded(bytes) => from_bytes(&self.source.file, &bytes, Some(space), wrap)?,
-                Resource::File(path) => from_bytes(&path, &read_file(&path)?, Some(space), wrap)?,
+                Resource::Embedded(bytes) => read(&self.source.file, &bytes)?,
+                Resource::File(path) => read(&path, &read_file(&path)?)?,
             },
         };
         let channel = match channels {
-            Channels::Colour => return Ok(decoded),
+            Channels::Colour | Channels::Opacity => return Ok(decoded),
+            Channels::Mask(least) => {
+                let hard = |texel: &[f32; 3]| texel.map(|a| if a >= f32::from_bits(least) { 1.0 } else { 0.0 });
+                let texels = decoded.texels.iter().map(hard).collect();
+                return Ok(ImageTexture { texels, ..decoded });
+            }
             Channels::Red => 0,
             Channels::Green => 1,
             Channels::Blue => 2,

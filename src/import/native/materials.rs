@@ -124,6 +124,7 @@ fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) ->
             metalness: share("metalness", 0.0, section, assets),
             roughness: share("roughness", 0.5, section, assets),
             transmission: share("transmission", 0.0, section, assets),
+            coverage: share("coverage", 1.0, section, assets),
             ior: section.or("ior", POSITIVE, 1.5),
             thin: section.or("thin", Boolean, false),
         },

@@ -86,8 +86,14 @@ impl Materials {
                 checks.index("ior", ior);
                 Material::Plastic { albedo: self.reflectance(albedo, &mut checks), ior }
             }
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, ior, thin } => {
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
                 checks.index("ior", ior);
+                let solid = !thin && transmission != Parameter::Constant(0.0);
+                if solid && coverage != Parameter::Constant(1.0) {
+                    let help =
+                        "holes belong to surfaces, not to what they enclose: leave `coverage` out, or set `thin`";
+                    checks.refuse("is solid glass with `coverage`".to_owned(), help);
+                }
                 let alpha = match roughness {
                     Parameter::Constant(0.0) => Textured::Constant(0.0),
                     _ => self.alpha(roughness, &mut checks),
@@ -96,6 +102,7 @@ impl Materials {
                     base_colour: self.reflectance(base_colour, &mut checks),
                     metalness: self.share("metalness", metalness, &mut checks),
                     transmission: self.share("transmission", transmission, &mut checks),
+                    coverage: self.share("coverage", coverage, &mut checks),
                     alpha,
                     ior,
                     thin,

@@ -9,6 +9,7 @@
 //!   gained but what a second bounce among the facets would bring.
 //! - Glass: an interface with Fresnel's reflectance whose transmitted light is coloured by c at each crossing, or a sheet
 //!   without thickness.
+//! - Where it covers only a part of what a point stands for, the rest of the light goes straight on.
 
 use std::f64::consts::FRAC_1_PI;
 
@@ -40,10 +41,13 @@ pub struct Principled {
     ior: f64,
     /// T̄ of the coat.
     mean_entering: f64,
+    /// Of the light on the surface, what does not go straight on through its holes.
+    coverage: f64,
     /// GGX width; `None` is smooth.
     facets: Option<Ggx>,
     thin: bool,
     diffuse: bool,
+    holes: bool,
 }
 
 /// The numbers of a point.
@@ -52,12 +56,15 @@ pub struct Parameters {
     pub colour: Spectrum,
     pub metalness: f64,
     pub transmission: f64,
+    pub coverage: f64,
     pub ior: f64,
     pub facets: Option<Ggx>,
     /// Glass without thickness.
     pub thin: bool,
     /// Whether the material has a diffuse base, here or elsewhere: what scatters is then of class D all over it.
     pub diffuse: bool,
+    /// Whether it has holes, here or elsewhere.
+    pub holes: bool,
 }
 
 /// Probabilities of the lobes that are not deltas.
@@ -86,9 +93,11 @@ impl Principled {
             transmission: share(at.transmission),
             ior,
             mean_entering,
+            coverage: if at.holes { share(at.coverage) } else { 1.0 },
             facets: at.facets,
             thin: at.thin,
             diffuse: at.diffuse,
+            holes: at.holes,
         }
     }
 
@@ -97,7 +106,7 @@ impl Principled {
         self.facets.is_some() && !self.diffuse
     }
     pub fn has_delta(&self) -> bool {
-        self.facets.is_none()
+        self.facets.is_none() || self.holes
     }
     pub fn has_scatter(&self) -> bool {
         self.facets.is_some() || self.diffuse
@@ -145,10 +154,12 @@ impl Principled {
     }
 
     pub fn deltas(&self, arrival: &Arrival) -> LocalDeltas {
-        if self.facets.is_some() {
-            return [None; 2];
-        }
         let wo = arrival.wo;
+        let missing = 1.0 - self.coverage;
+        let straight = LocalDelta { wi: -wo, weight: Spectrum::splat(missing), eta: Some(1.0) };
+        if self.facets.is_some() {
+            return [None, (missing > 0.0).then_some(straight)];
+        }
         let cos = wo.z.min(1.0);
         let glass = self.glass();
         let refracted = if self.thin {
@@ -159,18 +170,21 @@ impl Principled {
             interface.cos_t.map(|cos_t| (Vec3::new(-eta * wo.x, -eta * wo.y, -cos_t), interface.transmittance))
         };
         let glass_reflects = Spectrum::splat(glass * self.glass_reflectance(arrival, cos));
-        let weight = self.facet_reflectance(cos) + glass_reflects;
+        let weight = (self.facet_reflectance(cos) + glass_reflects) * self.coverage;
         let reflection = LocalDelta { wi: mirrored(wo), weight, eta: None };
         let eta = Some(self.transmitted_eta(arrival));
-        let transmission = refracted.filter(|_| glass > 0.0).map(|(wi, through)| LocalDelta {
-            wi,
-            weight: self.colour * (glass * through),
-            eta,
+        let transmission = refracted.filter(|_| glass > 0.0).map(|(wi, through)| {
+            let weight = self.colour * (glass * through * self.coverage);
+            LocalDelta { wi, weight: weight + straight.weight, eta }
         });
-        [Some(reflection), transmission]
+        [Some(reflection), transmission.or((missing > 0.0).then_some(straight))]
     }
 
     pub fn f(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
+        self.covered_f(arrival, wi) * self.coverage
+    }
+    /// Where there are no holes.
+    fn covered_f(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
         let wo = arrival.wo;
         let mut f = Spectrum::BLACK;
         if wi.z > 0.0 && self.coated() > 0.0 {
@@ -246,8 +260,17 @@ impl Principled {
         }
     }
 
+    /// The probability of the lobes that are not deltas, `deltas` being the weight of those.
+    pub fn scatter_share(&self, arrival: &Arrival, deltas: f64) -> f64 {
+        if self.facets.is_some() {
+            return self.coverage;
+        }
+        let base = self.base_albedo(arrival).mean() * self.coverage;
+        if base > 0.0 { base / (base + deltas) } else { 0.0 }
+    }
+
     /// What the base returns of light from `wo`: ∫ f cos dwi of it.
-    pub fn base_albedo(&self, arrival: &Arrival) -> Spectrum {
+    fn base_albedo(&self, arrival: &Arrival) -> Spectrum {
         self.colour * (self.coated() * self.entering(arrival.wo.z.min(1.0)))
     }
     /// Exact where the facets are smooth; else the mean facet answers for metal and glass.
@@ -257,7 +280,8 @@ impl Principled {
         let glass = Spectrum::splat(reflected) + self.colour * (1.0 - reflected);
         let metal = self.colour.map(|c| schlick(c, cos));
         let coat = self.coated() * (1.0 - self.entering(cos));
-        metal * self.metalness + Spectrum::splat(coat) + self.base_albedo(arrival) + glass * self.glass()
+        let covered = metal * self.metalness + Spectrum::splat(coat) + self.base_albedo(arrival) + glass * self.glass();
+        covered * self.coverage + Spectrum::splat(1.0 - self.coverage)
     }
 }
 
