@@ -6,9 +6,10 @@ use crate::backend::{self, Backend, BackendError};
 use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
-use crate::scene::{Object, Scene};
+use crate::radiometry::Spectrum;
+use crate::scene::{Object, Scene, Textured};
 use crate::shape::Parametrisation;
-use crate::surface::{Bsdf, Interaction, Lookup, Textures};
+use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
 
 /// Why a scene cannot be traced.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +28,8 @@ pub struct World {
     pub textures: Textures,
     /// Where caustics can come from: around all objects that can focus light.
     pub aim: Option<Aim>,
+    /// Whether any material bends normals by an image.
+    bends_normals: bool,
     /// Hits so far that could not be found again in `f64`.
     inexact: AtomicU64,
 }
@@ -37,17 +40,28 @@ impl World {
         let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
         let textures = Textures::new(&scene.textures);
         let aim = caster_aim(&scene);
-        Ok(World { scene, backend, lights, textures, aim, inexact: AtomicU64::new(0) })
+        let bends_normals = scene.materials.iter().any(|material| material.normal_map().is_some());
+        Ok(World { scene, backend, lights, textures, aim, bends_normals, inexact: AtomicU64::new(0) })
     }
 
     /// The first surface along a ray of unit direction.
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let hit = self.backend.intersect(ray)?;
-        let si = Interaction::from_hit(&self.scene, ray, &hit);
+        let mut si = Interaction::from_hit(&self.scene, ray, &hit);
+        if self.bends_normals {
+            self.bend_normal(&mut si);
+        }
         if !si.exact {
             self.inexact.fetch_add(1, Ordering::Relaxed);
         }
         Some(si)
+    }
+
+    fn bend_normal(&self, si: &mut Interaction) {
+        let Some(map) = self.scene.materials[si.material.index()].normal_map() else { return };
+        let at = si.parametrisation(&self.scene);
+        let image = Textured::Image { texture: map.texture, factor: Spectrum::ONE };
+        si.ns = normal_map::bent(si, &at, self.textures.colour(&image, &Lookup::point(&at)), map.scale);
     }
 
     /// Hits so far whose place is the backend's own, in its precision ([`Interaction::exact`]).

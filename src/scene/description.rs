@@ -111,7 +111,15 @@ pub enum MaterialModel {
         coverage: Parameter<f64>,
         ior: f64,
         thin: bool,
+        normal: Option<NormalMapDescription>,
     },
+}
+
+/// Image `texture` (an index into the description's textures) that bends shading normals; slopes are multiplied by `scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMapDescription {
+    pub texture: usize,
+    pub scale: f64,
 }
 
 /// An image that was read. Its wrapping is part of it: two uses with other wrapping are two textures.

@@ -7,7 +7,7 @@ use std::collections::hash_map::Entry;
 use super::camera::PixelFilter;
 use super::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialModel,
-    ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
+    NormalMapDescription, ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
 };
 use super::mesh::TriangleMesh;
 use super::settings::{BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings};
@@ -325,13 +325,27 @@ impl Canonical {
                 self.numbers(&[ior]);
                 self.colour(albedo, description);
             }
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
+            MaterialModel::Principled {
+                base_colour,
+                metalness,
+                roughness,
+                transmission,
+                coverage,
+                ior,
+                thin,
+                normal,
+            } => {
                 self.tag("principled");
                 self.numbers(&[ior]);
                 self.integer(thin.into());
                 self.colour(base_colour, description);
                 for number in [metalness, roughness, transmission, coverage] {
                     self.number(number, description);
+                }
+                if let Some(NormalMapDescription { texture, scale }) = normal {
+                    self.tag("normal");
+                    self.numbers(&[scale]);
+                    self.texture(texture, description);
                 }
             }
         }

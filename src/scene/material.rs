@@ -1,5 +1,6 @@
 //! Materials as the scene file names them; `surface` turns them into BSDFs at a point.
 
+use super::ids::TextureId;
 use super::texture::Textured;
 use crate::radiometry::Spectrum;
 
@@ -33,7 +34,16 @@ pub enum Material {
         alpha: Textured<f64>,
         ior: f64,
         thin: bool,
+        normal: Option<NormalMap>,
     },
+}
+
+/// An image that bends shading normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    pub texture: TextureId,
+    /// What slopes are multiplied by.
+    pub scale: f64,
 }
 
 impl Material {
@@ -46,12 +56,20 @@ impl Material {
             Material::RoughDielectric { alpha, .. } | Material::RoughConductor { alpha, .. } => {
                 matches!(alpha, Textured::Image { .. })
             }
-            Material::Principled { base_colour, metalness, transmission, coverage, alpha, .. } => {
+            Material::Principled { base_colour, metalness, transmission, coverage, alpha, normal, .. } => {
                 let numbers = [metalness, transmission, coverage, alpha];
                 matches!(base_colour, Textured::Image { .. })
+                    || normal.is_some()
                     || numbers.iter().any(|number| matches!(number, Textured::Image { .. }))
             }
             Material::Dielectric { .. } | Material::Conductor { .. } => false,
+        }
+    }
+
+    pub fn normal_map(&self) -> Option<NormalMap> {
+        match self {
+            Material::Principled { normal, .. } => *normal,
+            _ => None,
         }
     }
 

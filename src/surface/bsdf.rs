@@ -102,7 +102,7 @@ impl Bsdf {
                 }
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
-            Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin } => {
+            Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, .. } => {
                 // What the material is smooth or diffuse by holds all over it, whatever a filtered image says.
                 let facets = (!material.is_smooth()).then(|| Ggx::new(number(alpha).max(Ggx::SMOOTH_BELOW)));
                 Model::Principled(Principled::new(Parameters {

@@ -9,6 +9,7 @@ pub mod fresnel;
 pub mod interaction;
 pub mod microfacet;
 pub mod mipmap;
+pub mod normal_map;
 pub mod parametrisation;
 mod pyramid;
 pub mod texture;

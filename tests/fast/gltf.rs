@@ -221,12 +221,12 @@ fn what_is_ignored_is_listed_once_by_name() {
         .set("/extensionsUsed", json!(["KHR_materials_sheen", "EXT_other"]))
         .set("/extensionsRequired", json!(["KHR_materials_sheen"]))
         .set("/meshes/0/primitives/0/material", json!(0));
-    file.push("materials", json!({"normalTexture": {"index": 0}}));
+    file.push("materials", json!({"occlusionTexture": {"index": 0}}));
     file.push("textures", json!({"source": 0}));
     file.push("images", json!({"uri": "unread.png"}));
     file.push("animations", json!({"channels": [], "samplers": []}));
     let warnings: Vec<String> = read(&file).warnings.iter().map(ToString::to_string).collect();
-    assert_eq!(warnings, ["t.gltf: not rendered: EXT_other; KHR_materials_sheen; animations; normalTexture"]);
+    assert_eq!(warnings, ["t.gltf: not rendered: EXT_other; KHR_materials_sheen; animations; occlusionTexture"]);
 }
 
 /// A change of a sound file, and what is said about it.

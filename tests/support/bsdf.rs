@@ -68,7 +68,7 @@ pub fn holed(material: Material, part: f64) -> Material {
         panic!("{material:?}")
     };
     let coverage = Textured::Constant(part);
-    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin }
+    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, normal: None }
 }
 
 /// A principled material of one colour: metalness, transmission, GGX width, index, whether glass is thin.
@@ -76,7 +76,7 @@ pub fn principled(colour: [f64; 3], [metalness, transmission, alpha, ior]: [f64;
     let [metalness, transmission, alpha] = [metalness, transmission, alpha].map(Textured::Constant);
     let base_colour = Textured::Constant(Spectrum::from(colour));
     let coverage = Textured::Constant(1.0);
-    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin }
+    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, normal: None }
 }
 
 /// Every kind of lobe and mixture with facets of the width `alpha`.

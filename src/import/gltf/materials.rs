@@ -1,13 +1,13 @@
 //! Metallic-roughness materials on the models of this house.
 
-use gltf::material::{AlphaMode, PbrSpecularGlossiness};
+use gltf::material::{AlphaMode, NormalTexture, PbrSpecularGlossiness};
 use gltf::texture::Info;
 use gltf::{Document, Material};
 
 use super::ignored::Ignored;
 use super::names::Names;
 use super::textures::{Channels, Textures, uv_set};
-use crate::scene::description::{Emission, MaterialDescription, MaterialModel, Parameter};
+use crate::scene::description::{Emission, MaterialDescription, MaterialModel, NormalMapDescription, Parameter};
 use crate::scene::error::{Problem, Source};
 
 /// What a mesh needs to know of its material.
@@ -72,12 +72,20 @@ struct Uses<'t, 'a> {
 }
 
 impl Uses<'_, '_> {
+    fn normals(&mut self, info: &NormalTexture<'_>) -> Result<NormalMapDescription, Problem> {
+        self.lies_in(info.tex_coord());
+        Ok(NormalMapDescription { texture: self.textures.normals(info)?, scale: info.scale().into() })
+    }
+
     fn image(&mut self, info: &Info<'_>, channels: Channels) -> Result<usize, Problem> {
-        let set = uv_set(info);
+        self.lies_in(uv_set(info));
+        self.textures.of(info, channels)
+    }
+
+    fn lies_in(&mut self, set: u32) {
         if *self.uv_set.get_or_insert(set) != set {
             self.ignored.note("a second set of texture coordinates in one material");
         }
-        self.textures.of(info, channels)
     }
 
     fn number(&mut self, info: Option<Info<'_>>, channels: Channels, factor: f64) -> Result<Parameter<f64>, Problem> {
@@ -115,9 +123,14 @@ fn model(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialMod
     let thin = material.volume().is_none_or(|volume| volume.thickness_factor() == 0.0);
     let ior = index(material, uses.ignored);
     let coverage = coverage(material, uses)?;
-    let model = MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin };
+    let normal = match material.normal_texture() {
+        Some(map) => Some(uses.normals(&map)?),
+        None => None,
+    };
+    let model =
+        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal };
     match material.pbr_specular_glossiness() {
-        Some(older) => specular_glossiness(&older, uses),
+        Some(older) => specular_glossiness(&older, coverage, normal, uses),
         None => Ok(without_unused_images(model)),
     }
 }
@@ -156,7 +169,12 @@ fn index(material: &Material<'_>, ignored: &mut Ignored) -> f64 {
 }
 
 /// The older way to say it: a diffuse base and a specular colour; a coat of the usual index stands in for the latter.
-fn specular_glossiness(older: &PbrSpecularGlossiness<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialModel, Problem> {
+fn specular_glossiness(
+    older: &PbrSpecularGlossiness<'_>,
+    coverage: Parameter<f64>,
+    normal: Option<NormalMapDescription>,
+    uses: &mut Uses<'_, '_>,
+) -> Result<MaterialModel, Problem> {
     uses.ignored.note("the specular colour of KHR_materials_pbrSpecularGlossiness");
     let image = older.specular_glossiness_texture().is_some();
     uses.ignored.note_if(image, "specularGlossinessTexture");
@@ -166,9 +184,10 @@ fn specular_glossiness(older: &PbrSpecularGlossiness<'_>, uses: &mut Uses<'_, '_
         metalness: Parameter::Constant(0.0),
         roughness: Parameter::Constant(1.0 - share(older.glossiness_factor())),
         transmission: Parameter::Constant(0.0),
-        coverage: Parameter::Constant(1.0),
+        coverage,
         ior: USUAL_INDEX.into(),
         thin: true,
+        normal,
     })
 }
 
@@ -179,9 +198,9 @@ fn without_unused_images(model: MaterialModel) -> MaterialModel {
         other => other,
     };
     match model {
-        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
+        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal } => {
             let [metalness, roughness, transmission] = [metalness, roughness, transmission].map(plain);
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin }
+            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal }
         }
         other => other,
     }
@@ -205,7 +224,6 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
 }
 
 fn note_ignored(material: &Material<'_>, ignored: &mut Ignored) {
-    ignored.note_if(material.normal_texture().is_some(), "normalTexture");
     ignored.note_if(material.occlusion_texture().is_some(), "occlusionTexture");
     ignored.note_if(material.unlit(), "KHR_materials_unlit (lit as others are)");
     let coloured = material.volume().is_some_and(|v| v.attenuation_color() != [1.0; 3]);

@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use gltf::material::NormalTexture;
 use gltf::texture::{Info, WrappingMode};
-use gltf::{Image, image};
+use gltf::{Image, Texture, image};
+use serde_json::Value;
 
 use super::buffers::Buffers;
 use super::uri::{Resource, resolve};
@@ -20,10 +22,15 @@ pub(super) enum Channels {
     Red,
     Green,
     Blue,
+    /// All three as numbers.
+    Numbers,
     Opacity,
     /// 1 where the opacity is at least the number of these bits, else 0.
     Mask(u32),
 }
+
+/// Of all textures together: one image may be many textures, each with its own place.
+const MAX_TEXELS: usize = 1 << 28;
 
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
@@ -40,16 +47,26 @@ pub(super) struct Textures<'a> {
     source: &'a Source,
     pub described: Vec<TextureDescription>,
     known: HashMap<Key, usize>,
+    /// Of all together.
+    texels: usize,
 }
 
 impl<'a> Textures<'a> {
     pub fn new(buffers: &'a Buffers<'a>, folder: &'a Path, source: &'a Source) -> Textures<'a> {
-        Textures { buffers, folder, source, described: Vec::new(), known: HashMap::new() }
+        Textures { buffers, folder, source, described: Vec::new(), known: HashMap::new(), texels: 0 }
     }
 
     /// The index of a texture, read if it is new.
     pub fn of(&mut self, info: &Info<'_>, channels: Channels) -> Result<usize, Problem> {
-        let (texture, placement) = (info.texture(), placement(info));
+        self.placed(&info.texture(), placement(info), channels)
+    }
+
+    /// The image of a normal map; the crate does not read its transform.
+    pub fn normals(&mut self, info: &NormalTexture<'_>) -> Result<usize, Problem> {
+        self.placed(&info.texture(), placement_of(info.extension_value("KHR_texture_transform")), Channels::Numbers)
+    }
+
+    fn placed(&mut self, texture: &Texture<'_>, placement: Placement, channels: Channels) -> Result<usize, Problem> {
         let (image, sampler) = (texture.source(), texture.sampler());
         let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(wrap);
         let bits = placement.rows.as_flattened().iter().map(|x| x.to_bits());
@@ -59,6 +76,11 @@ impl<'a> Textures<'a> {
             return Ok(*known);
         }
         let decoded = self.decode(&image, channels, wrap).map_err(|problem| self.of_image(&image, problem))?;
+        self.texels += decoded.texels.len();
+        if self.texels > MAX_TEXELS {
+            let problem = Problem::new(format!("the textures together have more than {MAX_TEXELS} texels"));
+            return Err(problem.help("scale the images down").at(self.source));
+        }
         self.described
             .push(TextureDescription { source: self.source.clone(), image: ImageTexture { placement, ..decoded } });
         self.known.insert(key, self.described.len() - 1);
@@ -99,7 +121,7 @@ impl<'a> Textures<'a> {
             },
         };
         let channel = match channels {
-            Channels::Colour | Channels::Opacity => return Ok(decoded),
+            Channels::Colour | Channels::Numbers | Channels::Opacity => return Ok(decoded),
             Channels::Mask(least) => {
                 let hard = |texel: &[f32; 3]| texel.map(|a| if a >= f32::from_bits(least) { 1.0 } else { 0.0 });
                 let texels = decoded.texels.iter().map(hard).collect();
@@ -132,6 +154,13 @@ fn wrap(mode: WrappingMode) -> Wrap {
 fn placement(info: &Info<'_>) -> Placement {
     let Some(transform) = info.texture_transform() else { return Placement::IDENTITY };
     upwards(transform.offset().map(f64::from), transform.rotation().into(), transform.scale().map(f64::from))
+}
+
+/// The same where it is mere JSON; what it leaves out, or says wrongly, changes nothing.
+fn placement_of(transform: Option<&Value>) -> Placement {
+    let Some(transform) = transform else { return Placement::IDENTITY };
+    let pair = |name: &str, default: f64| [0, 1].map(|i| transform[name][i].as_f64().unwrap_or(default));
+    upwards(pair("offset", 0.0), transform["rotation"].as_f64().unwrap_or(0.0), pair("scale", 1.0))
 }
 
 fn upwards(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> Placement {

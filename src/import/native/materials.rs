@@ -5,9 +5,11 @@ use toml::de::DeValue;
 
 use crate::import::assets::Assets;
 use crate::import::image::ColourSpace;
-use crate::import::keyed::convert::{Boolean, Choice, Colour, Convert, FRACTION, NON_NEGATIVE, Number, POSITIVE, Text};
+use crate::import::keyed::convert::{
+    Boolean, Choice, Colour, Convert, FRACTION, Mismatch, NON_NEGATIVE, Number, POSITIVE, Text, found,
+};
 use crate::import::keyed::reader::Section;
-use crate::scene::description::{MaterialDescription, MaterialModel, Parameter};
+use crate::scene::description::{MaterialDescription, MaterialModel, NormalMapDescription, Parameter};
 use crate::scene::metal::Metal;
 use crate::scene::texture::Wrap;
 
@@ -127,6 +129,7 @@ fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) ->
             coverage: share("coverage", 1.0, section, assets),
             ior: section.or("ior", POSITIVE, 1.5),
             thin: section.or("thin", Boolean, false),
+            normal: normal_map(section, assets),
         },
     }
 }
@@ -161,6 +164,29 @@ fn roughness(section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
     parameter("roughness", section, assets, &ROUGHNESS, NON_NEGATIVE, 1.0, Some(ColourSpace::Linear))
 }
 
+/// `{ image, factor, … }` of tangent-space normals; the factor scales slopes.
+fn normal_map(section: &Section<'_>, assets: &mut Assets) -> Option<NormalMapDescription> {
+    section.get("normal")?;
+    let space = Some(ColourSpace::Linear);
+    match parameter("normal", section, assets, &NoNumber, NON_NEGATIVE, 1.0, space) {
+        Parameter::Image { texture, factor: scale } => Some(NormalMapDescription { texture, scale }),
+        Parameter::Constant(_) => None,
+    }
+}
+
+/// No constant will do.
+struct NoNumber;
+
+impl Convert for NoNumber {
+    type Output = f64;
+    fn expects(&self) -> String {
+        "{ image = \"file\" }".to_owned()
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<f64, Mismatch> {
+        Err(Mismatch { found: found(value.get_ref()), span: value.span() })
+    }
+}
+
 /// A number from 0 to 1 that may be left out.
 fn share(key: &'static str, default: f64, section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
     match section.get(key) {
@@ -170,12 +196,12 @@ fn share(key: &'static str, default: f64, section: &Section<'_>, assets: &mut As
 }
 
 /// A constant, or `{ image, space, wrap, factor }`.
-fn parameter<K: Convert<Output: Copy>>(
+fn parameter<K: Convert<Output: Copy>, F: Convert<Output = K::Output>>(
     key: &'static str,
     section: &Section<'_>,
     assets: &mut Assets,
     kind: &K,
-    factor_kind: K,
+    factor_kind: F,
     one: K::Output,
     default_space: Option<ColourSpace>,
 ) -> Parameter<K::Output> {

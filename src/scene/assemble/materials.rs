@@ -7,7 +7,7 @@ use crate::radiometry::Spectrum;
 use crate::scene::description::{MaterialDescription, MaterialModel, Parameter, Reference, SceneDescription};
 use crate::scene::error::{Problem, Source};
 use crate::scene::ids::{MaterialId, TextureId};
-use crate::scene::material::Material;
+use crate::scene::material::{Material, NormalMap};
 use crate::scene::spelling::nearest;
 use crate::scene::texture::{ImageTexture, Textured};
 
@@ -86,7 +86,16 @@ impl Materials {
                 checks.index("ior", ior);
                 Material::Plastic { albedo: self.reflectance(albedo, &mut checks), ior }
             }
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin } => {
+            MaterialModel::Principled {
+                base_colour,
+                metalness,
+                roughness,
+                transmission,
+                coverage,
+                ior,
+                thin,
+                normal,
+            } => {
                 checks.index("ior", ior);
                 let solid = !thin && transmission != Parameter::Constant(0.0);
                 if solid && coverage != Parameter::Constant(1.0) {
@@ -106,6 +115,7 @@ impl Materials {
                     alpha,
                     ior,
                     thin,
+                    normal: normal.map(|map| NormalMap { texture: TextureId(map.texture as u32), scale: map.scale }),
                 }
             }
         }
