@@ -7,6 +7,7 @@ use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
 use crate::radiometry::Spectrum;
+use crate::sampling::Stream;
 use crate::scene::{Object, Scene, Textured};
 use crate::shape::Parametrisation;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
@@ -42,6 +43,12 @@ impl World {
         let aim = caster_aim(&scene);
         let bends_normals = scene.materials.iter().any(|material| material.normal_map().is_some());
         Ok(World { scene, backend, lights, textures, aim, bends_normals, inexact: AtomicU64::new(0) })
+    }
+
+    /// A time at which the shutter is open, drawn from `stream` if anything moves meanwhile.
+    pub fn draw_time(&self, stream: &mut Stream) -> f64 {
+        let shutter = self.scene.shutter;
+        if shutter.is_instant() { shutter.open } else { shutter.time(stream.uniform()) }
     }
 
     /// The first surface along a ray of unit direction.
@@ -96,10 +103,11 @@ impl World {
     pub fn shadow_ray(from: &Interaction, wi: Dir3, distance: f64) -> Ray {
         let origin = from.ray_origin(wi);
         if distance.is_infinite() {
-            return Ray::new(origin, wi);
+            return Ray::new(origin, wi).at_time(from.time);
         }
         // The far end stops short of the light's own surface by what rounding may have moved either point.
         let mut ray = Ray::between(origin, from.p + wi * distance, 1e-6).unwrap_or(Ray::new(origin, wi));
+        ray.time = from.time;
         ray.t_max = ray.t_max.min(distance) - 2.0 * from.error;
         ray
     }

@@ -50,6 +50,7 @@ struct PdeRecord
   double org[3];
   double dir[3];
   double t_near;
+  double time;
   /* Before a hit the ray's own end, after it the hit's t. */
   double t_far;
   double u;
@@ -57,6 +58,8 @@ struct PdeRecord
   /* PDE_INVALID_ID until a user hit is accepted. */
   unsigned int geom_id;
   unsigned int prim_id;
+  /* The geometry's own number of what was hit in its primitive. */
+  unsigned int part;
   /* The f32 end that Embree gets after an accepted hit. */
   float t_far_f32;
 };

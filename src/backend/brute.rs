@@ -36,6 +36,10 @@ impl Backend for BruteBackend {
                     let own = ShearedRay::new(&to_object(to_world, ray));
                     offer_all(&self.geometry.shared[*mesh], object, &own, &mut nearest);
                 }
+                Item::MovingMesh { mesh, motion } => {
+                    let own = ShearedRay::new(&to_object(&motion.at(ray.time), ray));
+                    offer_all(&self.geometry.shared[*mesh], object, &own, &mut nearest);
+                }
                 Item::Shape(placed) => {
                     if let Some(t) = placed.intersect(&Ray { t_max: nearest.end, ..*ray }) {
                         nearest.offer(RawHit { t, object, primitive: 0, uv: [0.0; 2] });

@@ -9,10 +9,10 @@ use std::time::Duration;
 
 use embree4_sys::{CommittedScene, Device, SceneBuilder, SceneError, UserGeometry, UserHit, UserRay};
 
-use super::geometry::{Geometry, Item, PlacedShape, Triangles};
+use super::geometry::{Geometry, Item, PlacedShape, Triangles, to_object};
 use super::nearest::{Gate, MAX_DIRECTION, MIN_DIRECTION};
 use super::{Backend, BackendError, Query, RawHit, geometry};
-use crate::math::{Point3, Ray, Transform, Vec3};
+use crate::math::{Bounds3, Motion, Point3, Ray, Transform, Vec3};
 use crate::scene::ObjectId;
 
 // The gate refuses exactly what Embree's safe layer refuses.
@@ -35,7 +35,8 @@ impl EmbreeBackend {
     /// What Embree refuses: memory, a transform that is singular in f32, too many objects.
     pub fn new(geometry: &Arc<Geometry>) -> Result<EmbreeBackend, BackendError> {
         let device = Device::new().map_err(SceneError::from)?;
-        let shared = geometry.shared.iter().map(|mesh| one_mesh(&device, mesh)).collect::<Result<Vec<_>, _>>()?;
+        let shared =
+            geometry.shared.iter().map(|mesh| one_mesh(&device, mesh).map(Arc::new)).collect::<Result<Vec<_>, _>>()?;
         let mut builder = SceneBuilder::new(&device)?;
         for (object, item) in geometry.objects() {
             match item {
@@ -43,7 +44,14 @@ impl EmbreeBackend {
                 Item::Instance { mesh, to_world } => {
                     builder.add_instance(object.0, &shared[*mesh], &rows(to_world))?;
                 }
-                Item::Shape(placed) => builder.add_user(object.0, UserShape(placed.clone()))?,
+                Item::MovingMesh { mesh, motion } => {
+                    let (scene, motion) = (shared[*mesh].clone(), motion.clone());
+                    builder.add_user(object.0, MovingMesh { scene, motion, bounds: geometry.bounds(object) })?;
+                }
+                Item::Shape(placed) => {
+                    builder
+                        .add_user(object.0, UserShape { placed: placed.clone(), bounds: geometry.bounds(object) })?;
+                }
             }
         }
         Ok(EmbreeBackend { scene: builder.commit()?, version: device.version(), gate: Gate::default() })
@@ -59,7 +67,8 @@ impl Backend for EmbreeBackend {
         hit.map(|hit| RawHit {
             t: hit.t,
             object: ObjectId(hit.instance.unwrap_or(hit.geometry)),
-            primitive: hit.primitive,
+            // User geometries have one primitive, 0, and number what is in it.
+            primitive: hit.primitive + hit.part,
             uv: [hit.u, hit.v],
         })
     }
@@ -102,6 +111,7 @@ fn narrowed(ray: &Ray) -> embree4_sys::Ray {
         direction: ray.direction.to_array(),
         t_near: if ray.t_min < 0.0 { ray.t_min } else { ray.t_min.next_up() },
         t_far: ray.t_max.next_down(),
+        time: ray.time,
     }
 }
 
@@ -122,7 +132,10 @@ fn rows(to_world: &Transform) -> [[f64; 4]; 3] {
 }
 
 /// An exact shape, tested in f64.
-struct UserShape(PlacedShape);
+struct UserShape {
+    placed: PlacedShape,
+    bounds: Bounds3,
+}
 
 impl UserGeometry for UserShape {
     fn primitives(&self) -> u32 {
@@ -130,16 +143,46 @@ impl UserGeometry for UserShape {
     }
 
     fn bounds(&self, _: u32) -> ([f32; 3], [f32; 3]) {
-        geometry::outward(self.0.bounds())
+        geometry::outward(self.bounds)
     }
 
     fn intersect(&self, _: u32, ray: &UserRay) -> Option<UserHit> {
-        let ray = Ray {
-            origin: Point3::from(ray.origin),
-            direction: Vec3::from_array(ray.direction),
-            t_min: ray.t_near.next_down(),
-            t_max: ray.t_far.next_up(),
-        };
-        self.0.intersect(&ray).map(|t| UserHit { t, u: 0.0, v: 0.0 })
+        self.placed.intersect(&opened(ray)).map(|t| UserHit { t, u: 0.0, v: 0.0, part: 0 })
+    }
+}
+
+/// A mesh that moves: a scene of its own, asked in the mesh's space at the ray's time. Embree's own motion blur would round
+/// the motion to f32 and wants keys at equal intervals.
+struct MovingMesh {
+    scene: Arc<CommittedScene>,
+    motion: Arc<Motion>,
+    bounds: Bounds3,
+}
+
+impl UserGeometry for MovingMesh {
+    fn primitives(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> ([f32; 3], [f32; 3]) {
+        geometry::outward(self.bounds)
+    }
+
+    fn intersect(&self, _: u32, ray: &UserRay) -> Option<UserHit> {
+        let own = to_object(&self.motion.at(ray.time), &opened(ray));
+        // A ray that only the mesh's own space cannot hold misses.
+        let hit = self.scene.intersect(&narrowed(&own)).ok()??;
+        Some(UserHit { t: hit.t, u: hit.u, v: hit.v, part: hit.primitive })
+    }
+}
+
+/// The closed interval of a callback as an open one.
+fn opened(ray: &UserRay) -> Ray {
+    Ray {
+        origin: Point3::from(ray.origin),
+        direction: Vec3::from_array(ray.direction),
+        t_min: ray.t_near.next_down(),
+        t_max: ray.t_far.next_up(),
+        time: ray.time,
     }
 }

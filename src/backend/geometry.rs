@@ -1,15 +1,17 @@
 //! The neutral description that every backend is built from: one item an object, by `ObjectId`.
 //!
 //! Unit: metres. Frames: a mesh that one object uses is baked to world space (f32, as it is stored); a mesh that
-//! several use is kept once in its own space and instanced; exact shapes keep their transform. Rays go into an object's
-//! space in f64 with the length that the inverse transform gives their direction, so `t` keeps its unit.
+//! several use, or that moves, is kept once in its own space and instanced; exact shapes keep their transform. Rays go into
+//! an object's space in f64 with the length that the inverse transform gives their direction, so `t` keeps its unit. What
+//! moves is where its one f64 motion puts it at the ray's time, in every backend; boxes are around the whole interval.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::BackendError;
 use super::triangle::{ShearedRay, TriangleHit};
-use crate::math::{Bounds3, Point3, Ray, Transform};
-use crate::scene::{MeshId, Object, ObjectGeometry, ObjectId, Scene};
+use crate::math::{Bounds3, Motion, Point3, Ray, Transform};
+use crate::scene::{MeshId, Object, ObjectGeometry, ObjectId, Scene, Shutter};
 use crate::shape::Shape;
 
 /// Largest |coordinate| of anything that can be hit, metres: what Embree's f32 products can carry.
@@ -41,19 +43,21 @@ impl Triangles {
 pub struct PlacedShape {
     pub shape: Shape,
     pub to_world: Transform,
+    /// `None`: it stands still.
+    pub motion: Option<Arc<Motion>>,
 }
 
 impl PlacedShape {
-    /// World bounds, not padded.
-    pub fn bounds(&self) -> Bounds3 {
-        self.shape.bounds().transformed(&self.to_world)
-    }
     /// t of the first hit of a world ray in (t_min, t_max).
     ///
     /// Some shapes clip their search to the interval, and the last bits of t follow the clip; so the end is applied
     /// afterwards, and every backend gets the same bits in whatever order it shortens its ray.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let unended = Ray { t_max: f64::INFINITY, ..to_object(&self.to_world, ray) };
+        let own = match &self.motion {
+            None => to_object(&self.to_world, ray),
+            Some(motion) => to_object(&motion.at(ray.time), ray),
+        };
+        let unended = Ray { t_max: f64::INFINITY, ..own };
         self.shape.intersect(&unended).filter(|&t| t > ray.t_min && t < ray.t_max)
     }
 }
@@ -68,6 +72,11 @@ pub enum Item {
         mesh: usize,
         to_world: Transform,
     },
+    /// The same, moving.
+    MovingMesh {
+        mesh: usize,
+        motion: Arc<Motion>,
+    },
     Shape(PlacedShape),
 }
 
@@ -76,8 +85,10 @@ pub enum Item {
 pub struct Geometry {
     /// Object i of the scene is item i.
     pub items: Vec<Item>,
-    /// Meshes that several objects use, in their own space.
+    /// Meshes that several objects use, or that move, in their own space.
     pub shared: Vec<Triangles>,
+    /// Around item i in the world while the shutter is open, not padded.
+    bounds: Vec<Bounds3>,
 }
 
 impl Geometry {
@@ -89,24 +100,28 @@ impl Geometry {
         let mut uses: BTreeMap<MeshId, u32> = BTreeMap::new();
         for object in &scene.objects {
             if let ObjectGeometry::Mesh { mesh, .. } = object.geometry {
-                *uses.entry(mesh).or_default() += 1;
+                *uses.entry(mesh).or_default() += if object.motion.is_some() { 2 } else { 1 };
             }
         }
         let shared_ids: Vec<MeshId> = uses.iter().filter(|&(_, &count)| count > 1).map(|(&mesh, _)| mesh).collect();
         let shared = shared_ids.iter().map(|mesh| in_own_space(scene, *mesh)).collect();
-        let mut geometry = Geometry { items: Vec::with_capacity(scene.objects.len()), shared };
+        let mut geometry = Geometry { items: Vec::with_capacity(scene.objects.len()), shared, bounds: Vec::new() };
         for object in &scene.objects {
+            let motion = object.motion.clone();
             let item = match &object.geometry {
-                ObjectGeometry::Mesh { mesh, to_world } => match shared_ids.binary_search(mesh) {
-                    Ok(index) => Item::Instance { mesh: index, to_world: *to_world },
-                    Err(_) => Item::Mesh(baked(scene, *mesh, to_world)),
+                ObjectGeometry::Mesh { mesh, to_world } => match (shared_ids.binary_search(mesh), motion) {
+                    (Ok(mesh), Some(motion)) => Item::MovingMesh { mesh, motion },
+                    (Ok(mesh), None) => Item::Instance { mesh, to_world: *to_world },
+                    (Err(_), _) => Item::Mesh(baked(scene, *mesh, to_world)),
                 },
                 ObjectGeometry::Shape { shape, to_world } => {
-                    Item::Shape(PlacedShape { shape: shape.clone(), to_world: *to_world })
+                    Item::Shape(PlacedShape { shape: shape.clone(), to_world: *to_world, motion })
                 }
             };
-            geometry.require_bounded(object, &item)?;
+            let bounds = geometry.bounds_of(&item, scene.shutter);
+            require_bounded(object, &bounds)?;
             geometry.items.push(item);
+            geometry.bounds.push(bounds);
         }
         Ok(geometry)
     }
@@ -120,36 +135,37 @@ impl Geometry {
     pub fn primitives(&self, item: &Item) -> u32 {
         match item {
             Item::Mesh(mesh) => mesh.triangles.len() as u32,
-            Item::Instance { mesh, .. } => self.shared[*mesh].triangles.len() as u32,
+            Item::Instance { mesh, .. } | Item::MovingMesh { mesh, .. } => self.shared[*mesh].triangles.len() as u32,
             Item::Shape(_) => 1,
         }
     }
 
-    /// World bounds, not padded.
-    pub fn bounds(&self, item: &Item) -> Bounds3 {
+    /// Around an object in the world while the shutter is open, not padded.
+    pub fn bounds(&self, object: ObjectId) -> Bounds3 {
+        self.bounds[object.index()]
+    }
+
+    fn bounds_of(&self, item: &Item, shutter: Shutter) -> Bounds3 {
+        let swept = |motion: &Motion, own: Bounds3| motion.bounds(&own, shutter.open, shutter.close);
         match item {
             Item::Mesh(mesh) => mesh.bounds(),
             Item::Instance { mesh, to_world } => self.shared[*mesh].bounds().transformed(to_world),
-            Item::Shape(placed) => placed.bounds(),
+            Item::MovingMesh { mesh, motion } => swept(motion, self.shared[*mesh].bounds()),
+            Item::Shape(PlacedShape { shape, motion: Some(motion), .. }) => swept(motion, shape.bounds()),
+            Item::Shape(PlacedShape { shape, to_world, motion: None }) => shape.bounds().transformed(to_world),
         }
     }
+}
 
-    fn require_bounded(&self, object: &Object, item: &Item) -> Result<(), BackendError> {
-        let bounds = self.bounds(item);
-        // Written so that a NaN fails. An empty mesh has an empty box and nothing to hit.
-        let bounded = bounds.is_empty() || (bounds.max_abs() <= MAX_COORDINATE && bounds.diagonal().is_finite());
-        if bounded { Ok(()) } else { Err(BackendError::OutOfBounds { object: object.name.clone() }) }
-    }
+fn require_bounded(object: &Object, bounds: &Bounds3) -> Result<(), BackendError> {
+    // Written so that a NaN fails. An empty mesh has an empty box and nothing to hit.
+    let bounded = bounds.is_empty() || (bounds.max_abs() <= MAX_COORDINATE && bounds.diagonal().is_finite());
+    if bounded { Ok(()) } else { Err(BackendError::OutOfBounds { object: object.name.clone() }) }
 }
 
 /// A world ray in object space; `t` keeps its unit.
 pub fn to_object(to_world: &Transform, ray: &Ray) -> Ray {
-    Ray {
-        origin: to_world.inverse_point(ray.origin),
-        direction: to_world.inverse_vector(ray.direction),
-        t_min: ray.t_min,
-        t_max: ray.t_max,
-    }
+    Ray { origin: to_world.inverse_point(ray.origin), direction: to_world.inverse_vector(ray.direction), ..*ray }
 }
 
 /// The f64 test of one triangle for a ray that is already in the mesh's space.

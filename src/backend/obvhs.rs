@@ -1,7 +1,7 @@
 //! Pure Rust: trees by the crate `obvhs`, leaves tested in f64 by the same functions as `brute`.
 //!
-//! World frame, metres. Two levels: one tree over all baked triangles, shapes and instances; one tree for each shared
-//! mesh in its own space. The trees only cull, in f32, and never lose a hit:
+//! World frame, metres. Two levels: one tree over all baked triangles, shapes and instances, what moves in a box around all
+//! its places; one tree for each shared mesh in its own space. The trees only cull, in f32, and never lose a hit:
 //!
 //! - a ray enters a tree by f64 arithmetic at its root box, so culling sees no coordinate larger than the box's own
 //!   and a unit direction, however far away the ray starts;
@@ -52,9 +52,9 @@ impl ObvhsBackend {
                     leaves.extend((0..mesh.triangles.len() as u32).map(|primitive| (object, primitive)));
                     boxes.extend(mesh.boxes());
                 }
-                Item::Instance { .. } | Item::Shape(_) => {
+                Item::Instance { .. } | Item::MovingMesh { .. } | Item::Shape(_) => {
                     leaves.push((object, 0));
-                    boxes.push(geometry.bounds(item));
+                    boxes.push(geometry.bounds(object));
                 }
             }
         }
@@ -77,6 +77,10 @@ impl ObvhsBackend {
                 Item::Mesh(mesh) => offer(mesh, object, primitive, &world, &mut nearest),
                 Item::Instance { mesh, to_world } => {
                     let own = Ray { t_max: nearest.end, ..to_object(to_world, ray) };
+                    self.search_instance(*mesh, object, &own, any, &mut nearest);
+                }
+                Item::MovingMesh { mesh, motion } => {
+                    let own = Ray { t_max: nearest.end, ..to_object(&motion.at(ray.time), ray) };
                     self.search_instance(*mesh, object, &own, any, &mut nearest);
                 }
                 Item::Shape(placed) => {

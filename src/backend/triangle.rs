@@ -80,7 +80,7 @@ mod tests {
 
     fn ray(origin: [f64; 3], towards: Point3) -> Ray {
         let origin = Point3::from(origin);
-        Ray { origin, direction: towards - origin, t_min: 0.0, t_max: f64::INFINITY }
+        Ray { origin, direction: towards - origin, t_min: 0.0, t_max: f64::INFINITY, time: 0.0 }
     }
 
     #[test]

@@ -5,6 +5,8 @@
 
 mod filter;
 
+use std::borrow::Cow;
+
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Frame, Normal3, Point2, Point3, Ray, Vec2, Vec3};
 use crate::scene::{CameraModel, CameraSettings};
@@ -45,6 +47,8 @@ pub struct Camera {
     /// Width of a pixel: on the plane at distance 1 for perspective, in metres for orthographic.
     pixel: f64,
     half: Vec2,
+    /// Of a camera that moves: this one is that of the middle of the shutter's interval.
+    moving: Option<Box<CameraSettings>>,
 }
 
 impl Camera {
@@ -59,8 +63,15 @@ impl Camera {
             CameraModel::Orthographic { width } => width,
         };
         let half = Vec2::new(0.5 * width, 0.5 * height);
-        let model = settings.model;
-        Some(Camera { position: settings.position, right, down, forward, model, pixel: across / width, half })
+        let (position, model) = (settings.position, settings.model);
+        let moving = (!settings.motion.is_empty()).then(|| Box::new(settings.clone()));
+        Some(Camera { position, right, down, forward, model, pixel: across / width, half, moving })
+    }
+
+    /// The camera as it is at `time`; assembly refuses places that it cannot have.
+    pub fn at(&self, time: f64) -> Cow<'_, Camera> {
+        let moved = self.moving.as_ref().and_then(|settings| Camera::new(&settings.at(time)));
+        moved.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
     /// The ray through `raster` from the point `lens` of the unit disc on the lens (ignored by pinholes).
@@ -168,6 +179,7 @@ mod tests {
                 up: Vec3::Y,
                 resolution: [64, 48],
                 filter: PixelFilter::Box,
+                motion: vec![],
             })
             .expect("a sound camera")
         })
@@ -214,6 +226,7 @@ mod tests {
             up: Vec3::Y,
             resolution: [100, 100],
             filter: PixelFilter::Box,
+            motion: vec![],
         })
         .expect("a sound camera");
         let seen = camera.connect(Point3::new(1.0, 1.0, 0.0), Vec2::ZERO).expect("in front");

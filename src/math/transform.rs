@@ -44,6 +44,10 @@ impl Transform {
         let linear = glam::DMat3::from_axis_angle(axis.to_vec(), radians);
         Transform::of(linear, Vec3::ZERO, linear.transpose())
     }
+    /// x ↦ R P x + t of a rotation R and a regular P.
+    pub(super) fn of_product(rotation: glam::DMat3, p: glam::DMat3, translation: Vec3) -> Transform {
+        Transform::of(rotation * p, translation, p.inverse() * rotation.transpose())
+    }
     /// First `inner`, then `self`.
     pub fn compose(&self, inner: &Transform) -> Transform {
         Transform::of(

@@ -33,10 +33,10 @@ struct Wall {
     share: f64,
 }
 
-/// The images of a photon behind the walls that cut its footprint.
-pub fn images(world: &World, photon: &Photon) -> Vec<Photon> {
+/// The images of a photon behind the walls that cut its footprint at `time`.
+pub fn images(world: &World, photon: &Photon, time: f64) -> Vec<Photon> {
     let frame = photon.frame();
-    let walls = walls(world, photon, &frame);
+    let walls = walls(world, photon, time, &frame);
     let mut all: Vec<Photon> = Vec::new();
     // Two walls have images of images: some of them in either order, which are the same where the walls are at right angles.
     let (mut next, nearby) = (0, SAME_PLACE * photon.form().trace().sqrt());
@@ -70,13 +70,13 @@ fn mirrored(photon: &Photon, wall: &Wall, frame: &Frame) -> Option<Photon> {
 }
 
 /// The walls that probes met.
-fn walls(world: &World, photon: &Photon, frame: &Frame) -> [Option<Wall>; MAX_WALLS] {
+fn walls(world: &World, photon: &Photon, time: f64, frame: &Frame) -> [Option<Wall>; MAX_WALLS] {
     let (p, n) = (photon.position(), photon.normal());
     // What is lower than that counts as the surface itself.
     let up = n * photon.thickness().copysign(photon.wi().dot(n));
     let probes = probes(&photon.form(), frame);
     let steep = |height: f64, probe: Vec3| {
-        let ray = Ray { t_max: probe.length(), ..Ray::new(p + up * height, Dir3::new(probe)?) };
+        let ray = Ray { t_max: probe.length(), time, ..Ray::new(p + up * height, Dir3::new(probe)?) };
         let si = world.intersect(&ray)?;
         (si.ng.dot(n).abs() < MIN_NORMAL_COSINE).then(|| (si.p, towards(si.ng.to_vec(), -ray.direction)))
     };
@@ -162,7 +162,7 @@ mod tests {
     fn a_footprint_in_a_corner_has_three_images_and_one_in_the_middle_none() {
         let world = corner();
         let places = |p, radius| {
-            let mut all: Vec<[i64; 2]> = images(&world, &photon(p, radius))
+            let mut all: Vec<[i64; 2]> = images(&world, &photon(p, radius), 0.0)
                 .iter()
                 .map(|image| [image.position().x, image.position().y].map(|x| (x * 1e4).round() as i64))
                 .collect();
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!(places([0.2, 0.1], 0.3), [[-2000, -1000], [-2000, 1000], [2000, -1000]]);
         assert_eq!(places([0.2, 4.0], 0.3), [[-2000, 40_000]]);
         assert_eq!(places([4.0, 4.0], 0.3), [[0; 2]; 0]);
-        for image in images(&world, &photon([0.2, 0.1], 0.3)) {
+        for image in images(&world, &photon([0.2, 0.1], 0.3), 0.0) {
             assert!((image.flux().0.mean() - 1.0).abs() < 1e-6, "{}", image.flux().0.mean());
         }
     }

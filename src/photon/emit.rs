@@ -12,11 +12,12 @@ use super::bounce::Bounces;
 use super::guide::Guide;
 use super::path::FirstEvent;
 use super::share::Share;
-use crate::light::{Aim, Emission, Light, Lights};
+use crate::light::{Aim, Emission, Lights};
 use crate::sampling::lattice::Rank1Lattice;
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::settings::EmissionPattern;
-use crate::scene::{LightId, RenderSettings};
+use crate::scene::{LightId, Shutter};
+use crate::world::World;
 
 /// The points in the sample square (u, v; θ, φ) at which one light emits in one pass; point i is a pure function of
 /// (seed, pass, light, i).
@@ -33,24 +34,21 @@ pub struct EmissionPoints {
     /// Sides of a photon's cell in the order (u, v; θ, φ).
     cell: [f64; 4],
     shift: [[f64; 2]; 2],
+    shutter: Shutter,
+    /// Of the photons' times.
+    time_shift: f64,
     seed: u64,
     pass: u32,
     light: LightId,
 }
 
 impl EmissionPoints {
-    /// `n` > 0 points for `source`.
-    pub fn new(
-        settings: &RenderSettings,
-        source: &dyn Light,
-        light: LightId,
-        aim: &Aim,
-        share: Share,
-        n: u64,
-        pass: u32,
-    ) -> Self {
+    /// `n` > 0 points for `light`.
+    pub fn new(world: &World, light: LightId, aim: &Aim, share: Share, n: u64, pass: u32) -> Self {
+        let (settings, source) = (&world.scene.settings, world.lights.get(light));
         let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, light.0.into());
         let shift = [stream.uniform2(), stream.uniform2()];
+        let time_shift = stream.uniform();
         let aspect = source.emission_aspect(aim);
         let (pattern, collimated, seed) = (settings.emission, source.is_collimated(), settings.seed);
         let cell = share.sides(if collimated { [aspect, 1.0] } else { [1.0, aspect] });
@@ -61,6 +59,8 @@ impl EmissionPoints {
             lattice: Rank1Lattice::new(n, leading(collimated, cell)),
             cell,
             shift,
+            shutter: world.scene.shutter,
+            time_shift,
             seed,
             pass,
             light,
@@ -91,6 +91,18 @@ impl EmissionPoints {
             }
         };
         leading(self.collimated, [lead[0], lead[1], other[0], other[1]])
+    }
+
+    /// When photon `i` sets out, s; `stream` is the photon's own. Random points have random times; others have those of a
+    /// sequence that fills every run of photons evenly.
+    pub fn time(&self, i: u64, stream: &mut Stream) -> f64 {
+        if self.shutter.is_instant() {
+            return self.shutter.open;
+        }
+        self.shutter.time(match self.pattern {
+            EmissionPattern::Random => stream.uniform(),
+            EmissionPattern::Jittered | EmissionPattern::Lattice => qmc::shifted(qmc::r2(i), [self.time_shift; 2])[0],
+        })
     }
 
     /// A point of [`EmissionPoints::point`] with the pair in front that leads.
@@ -188,18 +200,11 @@ pub struct EmissionUnit {
 
 impl EmissionUnit {
     /// Cuts a pass's photons into units of about `size`.
-    pub fn all(
-        plans: &[EmissionPlan],
-        lights: &Lights,
-        settings: &RenderSettings,
-        aim: &Aim,
-        pass: u32,
-        size: u64,
-    ) -> Vec<EmissionUnit> {
+    pub fn all(plans: &[EmissionPlan], world: &World, aim: &Aim, pass: u32, size: u64) -> Vec<EmissionUnit> {
         let mut units = Vec::new();
         for plan in plans {
             let (light, n) = (plan.light, plan.points);
-            let points = EmissionPoints::new(settings, lights.get(light), light, aim, plan.share, n, pass);
+            let points = EmissionPoints::new(world, light, aim, plan.share, n, pass);
             let step = (size as f64 * n as f64 / plan.photons()).ceil() as u64;
             for start in (0..n).step_by(step as usize) {
                 let range = start..(start + step).min(n);
@@ -210,9 +215,9 @@ impl EmissionUnit {
         units
     }
 
-    /// Emits the unit's photons in order, each with its own stream, and returns how many; samples that carry no flux
+    /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that carry no flux
     /// count, but `photon` does not get them.
-    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, &mut Stream)) -> u64 {
+    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
         let light = lights.get(self.light);
         let mut emitted = 0;
         for i in self.range.clone() {
@@ -224,7 +229,8 @@ impl EmissionUnit {
             }
             emitted += 1;
             if let Some(emission) = light.emit(u, aim).filter(|e| !e.flux.is_zero()) {
-                photon(&self.points.share(emission, keep), &mut stream);
+                let time = self.points.time(i, &mut stream);
+                photon(&self.points.share(emission, keep), time, &mut stream);
             }
         }
         emitted

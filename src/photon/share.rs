@@ -76,7 +76,9 @@ impl Share {
             let mut widths = |kept: std::ops::Range<usize>| {
                 tracer.stored.caustic.clear();
                 let pilot = Emission { jacobian: only(&emission.jacobian, kept), ..emission };
-                tracer.trace(&pilot, &mut Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i));
+                let mut stream = Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i);
+                let time = tracer.draw_time(&mut stream);
+                tracer.trace(&pilot, time, &mut stream);
                 tracer.stored.caustic.iter().map(|photon| photon.form().trace()).collect::<Vec<f64>>()
             };
             for (positions, directions) in widths(0..2).into_iter().zip(widths(2..4)) {

@@ -88,7 +88,9 @@ impl Survey {
                 let other = qmc::r2(i);
                 let emission = source.emit(leading(source.is_collimated(), [x, y, other[0], other[1]]), aim)?;
                 let path = u64::from(light.0) << 44 | self.level << 36 | i;
-                tracer.is_useful(&emission, &mut Stream::new(0, Purpose::Guide, 0, path)).then_some(other)
+                let mut stream = Stream::new(0, Purpose::Guide, 0, path);
+                let time = tracer.draw_time(&mut stream);
+                tracer.is_useful(&emission, time, &mut stream).then_some(other)
             };
             let others: Vec<[f64; 2]> = (0..PILOTS_PER_CELL).filter_map(&mut useful).collect();
             *cell = if others.is_empty() { Cell::Missed } else { Cell::Hit };

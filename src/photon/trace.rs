@@ -21,6 +21,7 @@ use crate::light::Emission;
 use crate::math::{Dir3, Normal3, Point3, Ray};
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
+use crate::scene::Scene;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, DeltaBranch, Interaction, TransportMode};
 use crate::world::World;
@@ -40,6 +41,8 @@ pub struct PhotonTracer<'a, const N: usize> {
     part: f64,
     /// Whether photons straight from a surface that scatters are stored, too.
     stores_scattered: bool,
+    /// When the photon under way flies, s.
+    time: f64,
     pending: Vec<Branch<N>>,
     pub stored: Kinds<Vec<Photon>>,
     pub counts: PhotonCounts,
@@ -95,6 +98,29 @@ impl<const N: usize> Branch<N> {
     }
 }
 
+/// What is stored of a photon.
+struct Landing<const N: usize> {
+    si: Interaction,
+    /// Towards where it came from.
+    wi: Dir3,
+    columns: Differential<N>,
+    flux: Flux,
+}
+
+impl<const N: usize> Landing<N> {
+    /// On an object that moves, carried along with it to where light of all times meets; the flux stands for the same
+    /// irradiance if the object is stretched on the way.
+    fn at_rest(self, scene: &Scene) -> Landing<N> {
+        let Some(to_rest) = self.si.to_rest(scene) else { return self };
+        Landing {
+            si: to_rest.interaction(&self.si),
+            wi: to_rest.direction(self.wi),
+            columns: to_rest.columns(&self.columns),
+            flux: self.flux * to_rest.area(self.si.ng),
+        }
+    }
+}
+
 impl<'a, const N: usize> PhotonTracer<'a, N> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
@@ -108,6 +134,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             sharing: f64::INFINITY,
             part: 1.0,
             stores_scattered: false,
+            time: world.scene.shutter.open,
             pending: Vec::new(),
             stored: Kinds::default(),
             counts: PhotonCounts::default(),
@@ -125,21 +152,27 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         PhotonTracer { part: 1.0 - eyes_part, ..self }
     }
 
-    /// Follows one emitted photon to the end of all its branches.
-    pub fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
+    /// Follows one photon that was emitted at `time` to the end of all its branches.
+    pub fn trace(&mut self, emission: &Emission, time: f64, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
         let (columns, flux) = (emission.jacobian.first(), emission.flux);
+        self.time = time;
         self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0 });
         while let Some(branch) = self.pending.pop() {
             self.fly(branch, stream);
         }
     }
 
+    /// A time for a photon, drawn from `stream` if anything moves.
+    pub fn draw_time(&self, stream: &mut Stream) -> f64 {
+        self.world.draw_time(stream)
+    }
+
     /// Whether such a photon is of use: it makes a caustic; or, if it is to be scattered first, it goes on.
-    pub fn is_useful(&mut self, pilot: &Emission, stream: &mut Stream) -> bool {
+    pub fn is_useful(&mut self, pilot: &Emission, time: f64, stream: &mut Stream) -> bool {
         self.stored.caustic.clear();
         let bounced = self.counts.bounced;
-        self.trace(pilot, stream);
+        self.trace(pilot, time, stream);
         match self.first_event {
             FirstEvent::Delta => !self.stored.caustic.is_empty(),
             FirstEvent::Scatter => self.counts.bounced > bounced,
@@ -147,7 +180,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
     }
 
     fn fly(&mut self, branch: Branch<N>, stream: &mut Stream) {
-        let Some(si) = self.world.intersect(&Ray::new(branch.origin, branch.w)) else {
+        let Some(si) = self.world.intersect(&Ray::new(branch.origin, branch.w).at_time(self.time)) else {
             self.counts.escaped += 1;
             return;
         };
@@ -216,8 +249,11 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.broken_flux += 1;
             return;
         }
+        let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
+        let landing = Landing { si: *si, wi: -branch.w, columns: *columns, flux }.at_rest(&self.world.scene);
+        let Landing { si, wi, columns, flux } = landing;
         let frame = Photon::frame_of(si.ng);
-        let mut form = self.spread.footprint(columns, &frame);
+        let mut form = self.spread.footprint(&columns, &frame);
         let has_columns = matches!(self.spread, Spread::Columns { .. });
         if has_columns {
             form = form.on_curved(&frame, &si.shape);
@@ -226,14 +262,13 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         if is_scattered {
             form = form.at_most(self.widest);
         }
-        let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
-        let photon = Photon::new(si.p, -branch.w, si.ng, flux, form, branch.bounces);
+        let photon = Photon::new(si.p, wi, si.ng, flux, form, branch.bounces);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
         // Photons that come from a light directly are narrow, and may end in a shadow at a wall.
         if is_scattered && form.trace() > 0.0 {
-            let images = edge::images(self.world, &photon);
+            let images = edge::images(self.world, &photon, si.time);
             self.counts.edge_images += images.len() as u64;
             list.extend(images);
         }

@@ -93,7 +93,8 @@ impl Paths<'_> {
         let [width, height] = self.world.scene.camera.resolution.map(f64::from);
         let [x, y] = self.stream.uniform2();
         let lens = ConcentricDisk.sample(self.stream.uniform2());
-        let ray = camera.ray(Point2::new(x * width, y * height), lens).ray;
+        let time = self.world.draw_time(&mut self.stream);
+        let ray = camera.at(time).ray(Point2::new(x * width, y * height), lens).ray.at_time(time);
         self.follow(ray, RayKind::Camera, TransportMode::Radiance);
     }
 
@@ -102,6 +103,7 @@ impl Paths<'_> {
         let ([u, v], [theta, phi]) = (self.stream.uniform2(), self.stream.uniform2());
         let emission = self.world.lights.get(choice.light).emit([u, v, theta, phi], &Aim::Everywhere);
         if let Some(ray) = emission.map(|e: Emission| Ray::new(e.ray_origin(), e.direction)) {
+            let ray = ray.at_time(self.world.draw_time(&mut self.stream));
             self.follow(ray, RayKind::Photon, TransportMode::Importance);
         }
     }
@@ -116,7 +118,7 @@ impl Paths<'_> {
             }
             let (uc, u) = (self.stream.uniform(), self.stream.uniform2());
             let Some(next) = self.world.bsdf_unfiltered(&si).sample(si.wo, uc, u, mode) else { return };
-            ray = Ray::new(si.ray_origin(next.wi), next.wi);
+            ray = si.ray(next.wi);
         }
     }
 

@@ -77,14 +77,12 @@ fn bounced(world: &World) -> Population {
 
 /// Which part of a population's photons is of use.
 fn useful_part(world: &World, population: &Population) -> f64 {
-    let settings = &world.scene.settings;
-    let units =
-        EmissionUnit::all(&population.plans, &world.lights, settings, &population.aim, 0, PHOTONS_PER_PILOT_UNIT);
+    let units = EmissionUnit::all(&population.plans, world, &population.aim, 0, PHOTONS_PER_PILOT_UNIT);
     let mut tracer = PhotonTracer::<0>::new(world, limits(world), UNIT_SPREAD).of(population);
     let (mut emitted, mut useful) = (0, 0);
     for unit in units.iter().step_by(units.len().div_ceil(PILOT_UNITS).max(1)) {
-        emitted += unit.emit(&world.lights, &population.aim, |emission, stream| {
-            useful += u64::from(tracer.is_useful(emission, stream));
+        emitted += unit.emit(&world.lights, &population.aim, |emission, time, stream| {
+            useful += u64::from(tracer.is_useful(emission, time, stream));
         });
     }
     useful as f64 / emitted.max(1) as f64

@@ -126,12 +126,15 @@ impl Exposure<'_> {
         let start = samples.get(s);
         let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let offset = filter_offset(world.scene.camera.filter, start.raster);
-        let ray = self.camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
+        let time = world.scene.shutter.time(start.time);
+        let camera = self.camera.at(time);
+        let mut ray = camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
+        ray.ray.time = time;
         let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);
         let turn = Turn { index: s, of: settings.spp };
         let mut sample = self.tracer.trace(&ray, &start, turn, stream, queries);
         // The path knows distances; the layer is depth along the view axis.
-        sample.depth = sample.depth.map(|t| self.camera.depth(ray.ray.at(t)));
+        sample.depth = sample.depth.map(|t| camera.depth(ray.ray.at(t)));
         sample
     }
 }

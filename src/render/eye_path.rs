@@ -209,7 +209,7 @@ impl EyePathTracer<'_> {
             return false;
         }
         walk.w = next.wi;
-        walk.ray = Ray::new(si.ray_origin(next.wi), next.wi);
+        walk.ray = si.ray(next.wi);
         true
     }
 
@@ -300,7 +300,14 @@ impl EyePathTracer<'_> {
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
-        let eye: [Vec3; 2] = walk.differential.dx.to_array().map(|dx| dx * self.sample_radius);
+        let (si, bsdf, columns) = match si.to_rest(&self.world.scene) {
+            None => (*si, bsdf, walk.differential),
+            Some(to_rest) => {
+                let (si, columns) = (to_rest.interaction(si), to_rest.columns(&walk.differential));
+                (si, self.world.bsdf(&si, &columns), columns)
+            }
+        };
+        let eye: [Vec3; 2] = columns.dx.to_array().map(|dx| dx * self.sample_radius);
         let bounces_left = self.max_bounces.saturating_sub(walk.bounces);
         let asks = match walk.bounces {
             0 => Asks::All(walk.turn),

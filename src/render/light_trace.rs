@@ -47,7 +47,7 @@ impl<'a> Kind<'a> {
             let source = world.lights.get(light);
             if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
         });
-        let units = EmissionUnit::all(&plans, &world.lights, &world.scene.settings, aim, pass, PATHS_PER_UNIT);
+        let units = EmissionUnit::all(&plans, world, aim, pass, PATHS_PER_UNIT);
         Kind { exposure, aim, first_event, units }
     }
 
@@ -85,7 +85,7 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
         let (kind, unit) = units[i];
         let splats = SplatBuffer::new(bounds, pass, filter);
         let mut tracer = LightTracer { world, camera, first_event: kind.first_event, splats };
-        kind.units[unit].emit(&world.lights, kind.aim, |emission, stream| tracer.trace(emission, stream));
+        kind.units[unit].emit(&world.lights, kind.aim, |emission, time, stream| tracer.trace(emission, time, stream));
         tracer.splats
     };
     run_units(&missing, job.watch, trace, |i, splats| {
@@ -122,10 +122,10 @@ struct Walk {
 }
 
 impl LightTracer<'_> {
-    fn trace(&mut self, emission: &Emission, stream: &mut Stream) {
+    fn trace(&mut self, emission: &Emission, time: f64, stream: &mut Stream) {
         let settings = &self.world.scene.settings;
         let mut walk = Walk {
-            ray: Ray::new(emission.ray_origin(), emission.direction),
+            ray: Ray::new(emission.ray_origin(), emission.direction).at_time(time),
             flux: emission.flux.0,
             scatter_events: 0,
             leading_events: Some(0),
@@ -155,7 +155,7 @@ impl LightTracer<'_> {
 
     fn connect(&mut self, walk: &Walk, si: &Interaction, bsdf: &Bsdf, stream: &mut Stream) {
         let lens = ConcentricDisk.sample(stream.uniform2());
-        let Some(seen) = self.camera.connect(si.p, lens) else { return };
+        let Some(seen) = self.camera.at(si.time).connect(si.p, lens) else { return };
         let film = self.world.scene.camera.resolution.map(f64::from);
         // A filter may carry a splat in from a pixel or two outside.
         let near = |x: f64, size: f64| x > -2.0 && x < size + 2.0;
@@ -230,6 +230,6 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
         }
         walk.flux *= 1.0 / q;
     }
-    walk.ray = Ray::new(si.ray_origin(next.wi), next.wi);
+    walk.ray = si.ray(next.wi);
     true
 }

@@ -41,7 +41,7 @@ pub fn eyes_part(world: &World, aim: &Aim, plan: &EmissionPlan) -> f64 {
 /// The geometric mean of r over the photons that pilots store; `None` if there are none.
 fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
     let source = world.lights.get(plan.light);
-    let points = EmissionPoints::new(&world.scene.settings, source, plan.light, aim, plan.share, plan.points, 0);
+    let points = EmissionPoints::new(world, plan.light, aim, plan.share, plan.points, 0);
     let mut tracer = PhotonTracer::<4>::new(world, limits(world), spread(world, 0));
     let (mut log_ratio, mut photons) = (0.0, 0u32);
     let step = (plan.points / PILOTS).max(1);
@@ -56,7 +56,7 @@ fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
         let cosine = emission.normal.map_or(1.0, |n| n.dot(emission.direction).abs());
         let density = plan.points as f64 * pdf_a.get() * pdf_w.get() / cosine;
         tracer.stored.caustic.clear();
-        tracer.trace(&points.share(emission, 1.0), &mut stream);
+        tracer.trace(&points.share(emission, 1.0), points.time(i, &mut stream), &mut stream);
         for photon in &tracer.stored.caustic {
             let area = PI * photon.form().determinant().max(0.0).sqrt();
             if area > 0.0 {

@@ -89,10 +89,9 @@ struct Unit<'a> {
 }
 
 fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
-    let settings = &world.scene.settings;
     let of = |population: &'a Population| {
         let Population { plans, aim, .. } = population;
-        let all = EmissionUnit::all(plans, &world.lights, settings, aim, pass, PHOTONS_PER_UNIT);
+        let all = EmissionUnit::all(plans, world, aim, pass, PHOTONS_PER_UNIT);
         all.into_iter().map(move |emission| Unit { population, emission })
     };
     plans.as_ref().into_array().into_iter().flat_map(of).collect()
@@ -116,7 +115,7 @@ fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> Tra
     let mut tracer =
         PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population).beside_eyes(unit.emission.eyes_part);
     let aim = &unit.population.aim;
-    let emitted = unit.emission.emit(&world.lights, aim, |emission, stream| tracer.trace(emission, stream));
+    let emitted = unit.emission.emit(&world.lights, aim, |emission, time, stream| tracer.trace(emission, time, stream));
     tracer.counts.photons_emitted = emitted;
     let PhotonTracer { stored, counts, .. } = tracer;
     Traced { stored, counts }

@@ -14,8 +14,11 @@ const PAIRS: usize = 5;
 pub struct PixelSamples {
     samples: u64,
     shifts: [[f64; 2]; PAIRS],
+    time_shift: f64,
     /// Each pair's order, by what a sample's number is multiplied with.
     units: [u64; PAIRS],
+    /// That of the times.
+    time_unit: u64,
 }
 
 /// Numbers of one sample.
@@ -31,6 +34,8 @@ pub struct PixelSample {
     pub bounce: [f64; 2],
     /// Which light and which lobe there.
     pub choices: [f64; 2],
+    /// When, as a share of the shutter's interval.
+    pub time: f64,
 }
 
 impl PixelSamples {
@@ -39,7 +44,9 @@ impl PixelSamples {
         let mut stream = PixelSamples::stream_of(seed, pass, pixel, 0);
         let samples = samples.into();
         let units = std::array::from_fn(|k| qmc::unit(samples, k as u64));
-        PixelSamples { samples, shifts: std::array::from_fn(|_| stream.uniform2()), units }
+        let shifts = std::array::from_fn(|_| stream.uniform2());
+        let (time_shift, time_unit) = (stream.uniform(), qmc::unit(samples, PAIRS as u64));
+        PixelSamples { samples, shifts, time_shift, units, time_unit }
     }
 
     /// The random numbers of sample `i`'s own path, for all that comes after.
@@ -57,7 +64,9 @@ impl PixelSamples {
             let place = u64::from(i) * self.units[k] % self.samples;
             qmc::shifted(qmc::golden_lattice(place, self.samples), self.shifts[k])
         });
-        PixelSample { raster, lens, light, bounce, choices }
+        let place = u64::from(i) * self.time_unit % self.samples;
+        let time = (place as f64 + self.time_shift) / self.samples as f64;
+        PixelSample { raster, lens, light, bounce, choices, time }
     }
 }
 

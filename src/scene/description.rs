@@ -45,6 +45,21 @@ pub struct CameraDescription {
     /// Pixels: width, height.
     pub resolution: [u32; 2],
     pub filter: PixelFilter,
+    /// When it opens and closes, s.
+    pub shutter: Option<[f64; 2]>,
+    /// Where it is at other times than always.
+    pub motion: Vec<CameraKeyDescription>,
+}
+
+/// The camera's place at one time.
+#[derive(Clone, Debug)]
+pub struct CameraKeyDescription {
+    pub source: Source,
+    /// s.
+    pub time: f64,
+    pub position: [f64; 3],
+    pub target: [f64; 3],
+    pub up: [f64; 3],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +174,8 @@ pub struct ObjectDescription {
     pub material: Reference,
     /// Applied last to first, as matrices multiply.
     pub transform: Vec<TransformStep>,
+    /// What happens to it after that, from time to time; empty for what stands still.
+    pub motion: Vec<MotionKey>,
     pub emission: Option<Emission>,
 }
 
@@ -214,6 +231,15 @@ pub struct WaveDescription {
     pub wave_vector: [f64; 2],
     /// Radians.
     pub phase: f64,
+}
+
+/// Where an object is at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionKey {
+    pub source: Source,
+    /// s.
+    pub time: f64,
+    pub transform: Vec<TransformStep>,
 }
 
 #[derive(Clone, Debug, PartialEq)]

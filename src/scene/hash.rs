@@ -8,6 +8,7 @@ use super::camera::PixelFilter;
 use super::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialModel,
     NormalMapDescription, ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
+    TransformStep,
 };
 use super::mesh::TriangleMesh;
 use super::settings::{BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings};
@@ -125,6 +126,19 @@ impl Canonical {
             PixelFilter::Box => "box",
             PixelFilter::Gaussian => "gaussian",
         });
+        // Only where there are any, so that other scenes keep the digest they had before there were these.
+        if let Some(shutter) = camera.shutter {
+            self.tag("shutter");
+            self.numbers(&shutter);
+        }
+        if !camera.motion.is_empty() {
+            self.tag("camera motion");
+            self.count(camera.motion.len());
+            for key in &camera.motion {
+                self.numbers(&[key.time]);
+                self.numbers([key.position, key.target, key.up].as_flattened());
+            }
+        }
     }
 
     fn settings(&mut self, settings: &RenderSettings) {
@@ -190,8 +204,33 @@ impl Canonical {
 
     fn object(&mut self, object: &ObjectDescription, description: &SceneDescription) {
         self.shape(&object.shape, description);
-        self.count(object.transform.len());
-        for step in &object.transform {
+        self.steps(&object.transform);
+        if !object.motion.is_empty() {
+            self.tag("motion");
+            self.count(object.motion.len());
+            for key in &object.motion {
+                self.numbers(&[key.time]);
+                self.steps(&key.transform);
+            }
+        }
+        match &object.emission {
+            None => self.tag("dark"),
+            Some(emission) => {
+                self.tag("emits");
+                self.numbers(&emission.radiance);
+                self.integer(emission.two_sided.into());
+            }
+        }
+        // By content, so that neither names nor the order of materials matter.
+        match description.materials.iter().find(|m| m.name == object.material.name) {
+            None => self.tag("no material"),
+            Some(material) => self.material(&material.model, description),
+        }
+    }
+
+    fn steps(&mut self, steps: &[TransformStep]) {
+        self.count(steps.len());
+        for step in steps {
             match step.map {
                 TransformMap::Translate(t) => {
                     self.tag("translate");
@@ -211,19 +250,6 @@ impl Canonical {
                     self.numbers(rows.as_flattened());
                 }
             }
-        }
-        match &object.emission {
-            None => self.tag("dark"),
-            Some(emission) => {
-                self.tag("emits");
-                self.numbers(&emission.radiance);
-                self.integer(emission.two_sided.into());
-            }
-        }
-        // By content, so that neither names nor the order of materials matter.
-        match description.materials.iter().find(|m| m.name == object.material.name) {
-            None => self.tag("no material"),
-            Some(material) => self.material(&material.model, description),
         }
     }
 

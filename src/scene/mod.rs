@@ -18,7 +18,7 @@ pub mod spelling;
 pub mod texture;
 
 pub use assemble::assemble;
-pub use camera::{CameraModel, CameraSettings};
+pub use camera::{CameraModel, CameraSettings, Shutter};
 pub use ids::{LightId, MaterialId, MeshId, ObjectId, TextureId};
 pub use light::LightSource;
 pub use material::Material;
@@ -39,8 +39,10 @@ pub struct Scene {
     /// Area lights are among them, naming their object.
     pub lights: Vec<LightSource>,
     pub camera: CameraSettings,
+    /// When the picture is taken; an instant unless something moves meanwhile.
+    pub shutter: Shutter,
     pub settings: RenderSettings,
-    /// World bounds of all objects.
+    /// World bounds of all objects, wherever they are while the shutter is open.
     pub bounds: Bounds3,
     /// Digest of everything that can change a pixel, hexadecimal.
     pub hash: String,

@@ -1,11 +1,15 @@
 //! Things that rays can hit.
 
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::camera::Shutter;
 use super::ids::{LightId, MaterialId, MeshId};
 use super::mesh::TriangleMesh;
-use crate::math::{Bounds3, Point3, Transform};
+use crate::math::{Bounds3, Motion, Point3, Transform};
 use crate::shape::Shape;
 
-/// Geometry in object space and where it stands.
+/// Geometry in object space and where it stands; of what moves, in the middle of the shutter's interval.
 #[derive(Clone, Debug)]
 pub enum ObjectGeometry {
     /// A mesh; meshes that several objects name are instanced by the backends, others may be baked.
@@ -15,12 +19,21 @@ pub enum ObjectGeometry {
 }
 
 impl ObjectGeometry {
-    /// Around it in the world; `meshes` are the bounds of the scene's meshes.
-    pub fn bounds(&self, meshes: &[Bounds3]) -> Bounds3 {
+    pub fn to_world(&self) -> &Transform {
         match self {
-            ObjectGeometry::Mesh { mesh, to_world } => meshes[mesh.index()].transformed(to_world),
-            ObjectGeometry::Shape { shape, to_world } => shape.bounds().transformed(to_world),
+            ObjectGeometry::Mesh { to_world, .. } | ObjectGeometry::Shape { to_world, .. } => to_world,
         }
+    }
+    /// Around it in its own space; `meshes` are the bounds of the scene's meshes.
+    pub fn own_bounds(&self, meshes: &[Bounds3]) -> Bounds3 {
+        match self {
+            ObjectGeometry::Mesh { mesh, .. } => meshes[mesh.index()],
+            ObjectGeometry::Shape { shape, .. } => shape.bounds(),
+        }
+    }
+    /// Around it in the world.
+    pub fn bounds(&self, meshes: &[Bounds3]) -> Bounds3 {
+        self.own_bounds(meshes).transformed(self.to_world())
     }
 }
 
@@ -29,7 +42,9 @@ impl ObjectGeometry {
 pub struct Object {
     pub name: String,
     pub geometry: ObjectGeometry,
-    /// Around it in the world.
+    /// How it moves while the shutter is open; `None`: not at all.
+    pub motion: Option<Arc<Motion>>,
+    /// Around it in the world, wherever it is while the shutter is open.
     pub bounds: Bounds3,
     pub material: MaterialId,
     /// The area light that this object is, if it emits.
@@ -37,6 +52,27 @@ pub struct Object {
 }
 
 impl Object {
+    /// Where it is at `time`.
+    pub fn to_world(&self, time: f64) -> Cow<'_, Transform> {
+        match &self.motion {
+            None => Cow::Borrowed(self.geometry.to_world()),
+            Some(motion) => Cow::Owned(motion.at(time)),
+        }
+    }
+
+    /// Around it in the world while the shutter is open; `meshes` are the bounds of the scene's meshes.
+    pub fn swept_bounds(
+        geometry: &ObjectGeometry,
+        motion: Option<&Motion>,
+        shutter: Shutter,
+        meshes: &[Bounds3],
+    ) -> Bounds3 {
+        match motion {
+            None => geometry.bounds(meshes),
+            Some(motion) => motion.bounds(&geometry.own_bounds(meshes), shutter.open, shutter.close),
+        }
+    }
+
     /// About its area in the world, m²: exact where the transform scales evenly; a shape without an area of its own counts
     /// as half of its box.
     pub fn area(&self, meshes: &[TriangleMesh]) -> f64 {
@@ -50,7 +86,9 @@ impl Object {
 
     /// Centre and radius of a sphere around the object in the world.
     pub fn bounding_sphere(&self) -> (Point3, f64) {
-        if let ObjectGeometry::Shape { shape: Shape::Sphere(sphere), to_world } = &self.geometry {
+        if let ObjectGeometry::Shape { shape: Shape::Sphere(sphere), to_world } = &self.geometry
+            && self.motion.is_none()
+        {
             let [a, b, c] = to_world.columns();
             // Axes that stay perpendicular: the ball becomes an ellipsoid along them.
             let skew = a.dot(b).abs() + b.dot(c).abs() + c.dot(a).abs();

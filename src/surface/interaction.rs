@@ -21,6 +21,8 @@ pub struct Interaction {
     pub error: f64,
     /// Distance along the ray that came here, metres.
     pub t: f64,
+    /// The ray's, s.
+    pub time: f64,
     /// Back along the ray.
     pub wo: Dir3,
     /// Geometric normal, outward.
@@ -57,14 +59,16 @@ impl Interaction {
     /// the hit: t, p and the normals are computed again in `f64`. Shapes were hit in `f64`, so their t is.
     pub fn from_hit(scene: &Scene, ray: &Ray, hit: &RawHit) -> Interaction {
         let object = &scene.objects[hit.object.index()];
+        let to_world = object.to_world(ray.time);
         let found = match &object.geometry {
-            ObjectGeometry::Mesh { mesh, to_world } => triangle::find(&scene.meshes[mesh.index()], to_world, ray, hit),
-            ObjectGeometry::Shape { shape, to_world } => find_on_shape(shape, to_world, ray, hit),
+            ObjectGeometry::Mesh { mesh, .. } => triangle::find(&scene.meshes[mesh.index()], &to_world, ray, hit),
+            ObjectGeometry::Shape { shape, .. } => find_on_shape(shape, &to_world, ray, hit),
         };
         Interaction {
             p: found.p,
             error: origin_offset(found.extent.max(found.p.abs().max_element())),
             t: found.t,
+            time: ray.time,
             wo: Dir3::from_unit(-ray.direction),
             ng: found.ng,
             ns: found.ns,
@@ -75,6 +79,11 @@ impl Interaction {
             material: object.material,
             exact: found.exact,
         }
+    }
+
+    /// The ray that leaves towards `w`.
+    pub fn ray(&self, w: Dir3) -> Ray {
+        Ray { time: self.time, ..Ray::new(self.ray_origin(w), w) }
     }
 
     /// Where a ray towards `w` starts.

@@ -12,6 +12,7 @@ pub mod mipmap;
 pub mod normal_map;
 pub mod parametrisation;
 mod pyramid;
+mod rest;
 pub mod texture;
 mod triangle;
 
@@ -19,6 +20,7 @@ pub use bsdf::Bsdf;
 pub use event::{BsdfSample, DeltaBranch, DeltaBranches, Event, TransportMode};
 pub use interaction::Interaction;
 pub use parametrisation::Lookup;
+pub use rest::ToRest;
 pub use texture::Textures;
 
 /// Surfaces for the unit tests of other modules.
@@ -36,6 +38,7 @@ pub(crate) mod test_support {
             p,
             error: 1e-9,
             t: 1.0,
+            time: 0.0,
             wo: n.as_dir(),
             ng: n,
             ns: n,

@@ -12,13 +12,13 @@ impl Interaction {
     /// Texture coordinates and tangents, in world space. The tangents are never parallel: unit ones where the
     /// parametrisation has none (poles, meshes whose texture coordinates are constant).
     pub fn parametrisation(&self, scene: &Scene) -> Parametrisation {
-        let (local, to_world) = match &scene.objects[self.object.index()].geometry {
-            ObjectGeometry::Mesh { mesh, to_world } => {
-                (triangle::parametrisation(&scene.meshes[mesh.index()], self.primitive, self.barycentric), to_world)
+        let object = &scene.objects[self.object.index()];
+        let to_world = object.to_world(self.time);
+        let local = match &object.geometry {
+            ObjectGeometry::Mesh { mesh, .. } => {
+                triangle::parametrisation(&scene.meshes[mesh.index()], self.primitive, self.barycentric)
             }
-            ObjectGeometry::Shape { shape, to_world } => {
-                (shape.parametrisation_at(to_world.inverse_point(self.p)), to_world)
-            }
+            ObjectGeometry::Shape { shape, .. } => shape.parametrisation_at(to_world.inverse_point(self.p)),
         };
         let (dpdu, dpdv) = spanning(to_world.vector(local.dpdu), to_world.vector(local.dpdv), self.ng);
         Parametrisation { uv: local.uv, dpdu, dpdv }

@@ -20,7 +20,7 @@
 //! # use embree4_sys::{Device, Ray, SceneBuilder};
 //! let device = Device::new().unwrap();
 //! let builder = SceneBuilder::new(&device).unwrap();
-//! let ray = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0], t_near: 0.0, t_far: f64::INFINITY };
+//! let ray = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0], t_near: 0.0, t_far: f64::INFINITY, time: 0.0 };
 //! builder.intersect(&ray);
 //! ```
 //!

@@ -26,6 +26,8 @@ pub struct Ray {
     pub t_near: f64,
     /// End of the segment in multiples of `direction`; infinity is allowed, an end before the start hits nothing.
     pub t_far: f64,
+    /// For user geometries, which see it as it is: when the ray flies. Triangles and instances stand still.
+    pub time: f64,
 }
 
 /// The nearest hit.
@@ -41,6 +43,8 @@ pub struct Hit {
     pub geometry: u32,
     /// Triangle or user primitive.
     pub primitive: u32,
+    /// The user geometry's own number of what was hit in its primitive; 0 for triangles.
+    pub part: u32,
     /// The caller's id of the instance, where the hit is in one.
     pub instance: Option<u32>,
 }
@@ -116,11 +120,13 @@ impl Ray {
             org: self.origin,
             dir: self.direction,
             t_near: self.t_near,
+            time: self.time,
             t_far: self.t_far,
             u: 0.0,
             v: 0.0,
             geom_id: raw::PDE_INVALID_ID,
             prim_id: raw::PDE_INVALID_ID,
+            part: 0,
             t_far_f32: 0.0,
         }
     }
@@ -177,6 +183,7 @@ fn nearest(rayhit: &raw::PdeRayHit, record: &raw::PdeRecord, t_far: f64) -> Opti
                 v: record.v,
                 geometry: record.geom_id,
                 primitive: record.prim_id,
+                part: record.part,
                 instance: None,
             });
         }
@@ -187,6 +194,7 @@ fn nearest(rayhit: &raw::PdeRayHit, record: &raw::PdeRecord, t_far: f64) -> Opti
         v: f64::from(rayhit.v),
         geometry: rayhit.geom_id,
         primitive: rayhit.prim_id,
+        part: 0,
         instance,
     };
     (t <= t_far).then_some(hit)

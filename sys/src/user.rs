@@ -32,6 +32,8 @@ pub struct UserRay {
     pub t_near: f64,
     /// End of the interval, not behind the nearest hit so far; belongs to it. May be infinite.
     pub t_far: f64,
+    /// When it flies, as the query says.
+    pub time: f64,
 }
 
 /// A hit that a user geometry reports.
@@ -43,12 +45,15 @@ pub struct UserHit {
     pub u: f64,
     /// Second surface parameter, the geometry's own.
     pub v: f64,
+    /// The geometry's own number of what was hit in the primitive.
+    pub part: u32,
 }
 
 /// Shapes that are intersected by code. Top level only: instances refuse scenes that hold them, so no transform
 /// stands between the query's ray and theirs.
 ///
-/// The methods are called from Embree's traversal, from many threads at once. A panic aborts the process.
+/// The methods are called from Embree's traversal, from many threads at once. A panic aborts the process. They may ask other
+/// committed scenes.
 pub trait UserGeometry: Send + Sync + 'static {
     /// Number of primitives, at least 1. Asked once.
     fn primitives(&self) -> u32;
@@ -189,6 +194,7 @@ unsafe extern "C" fn on_intersect(
         t_near: record.t_near,
         // The record ends at the nearest user hit; the f32 end is lower still only after a triangle's hit.
         t_far: record.t_far.min(f64::from(t_far)),
+        time: record.time,
     };
     let Some(hit) = object.geometry.intersect(prim, &ray) else {
         return false;
@@ -205,6 +211,7 @@ unsafe extern "C" fn on_intersect(
         record.t_far = hit.t;
         record.u = hit.u;
         record.v = hit.v;
+        record.part = hit.part;
         record.geom_id = geom;
         record.prim_id = prim;
         record.t_far_f32 = widened(hit.t);

@@ -61,11 +61,13 @@ fn trace(scene: &CommittedScene, occluded: bool) -> Guarded {
         org: [0.0; 3],
         dir: [0.0, 0.0, 1.0],
         t_near: 0.0,
+        time: 0.0,
         t_far: f64::INFINITY,
         u: 0.0,
         v: 0.0,
         geom_id: raw::PDE_INVALID_ID,
         prim_id: raw::PDE_INVALID_ID,
+        part: 0,
         t_far_f32: 0.0,
     };
     let call = if occluded { raw::pde_occluded1 } else { raw::pde_intersect1 };

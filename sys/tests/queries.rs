@@ -18,7 +18,8 @@ fn quad(device: &Device) -> CommittedScene {
 fn a_hit_has_the_ids_and_barycentric_weights_of_the_closed_form() {
     let scene = quad(&support::device());
     // p = (1 − u − v) a + u b + v c on triangle (0, 1, 2): x = −1 + 2u + 2v, y = −1 + 2v.
-    let down = Ray { origin: [0.25, -0.5, 3.0], direction: [0.0, 0.0, -2.0], t_near: 0.0, t_far: f64::INFINITY };
+    let down =
+        Ray { origin: [0.25, -0.5, 3.0], direction: [0.0, 0.0, -2.0], t_near: 0.0, t_far: f64::INFINITY, time: 0.0 };
     let hit = scene.intersect(&down).unwrap().unwrap();
     assert_eq!((hit.geometry, hit.primitive, hit.instance), (5, 0, None));
     // A dozen f32 roundings, of numbers up to 8 (the edge functions), over a determinant of 8.
@@ -35,7 +36,7 @@ fn a_hit_has_the_ids_and_barycentric_weights_of_the_closed_form() {
 fn the_interval_holds_in_f64() {
     let scene = quad(&support::device());
     let at = |t_near: f64, t_far: f64| {
-        let ray = Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near, t_far };
+        let ray = Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near, t_far, time: 0.0 };
         let hit = scene.intersect(&ray).unwrap().is_some();
         assert_eq!(scene.occluded(&ray), Ok(hit), "{ray:?}");
         hit
@@ -141,7 +142,8 @@ fn an_instance_is_hit_where_its_transform_puts_it() {
 #[test]
 fn invalid_rays_are_refused_and_do_not_end_the_process() {
     let scene = quad(&support::device());
-    let good = Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near: 0.0, t_far: f64::INFINITY };
+    let good =
+        Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near: 0.0, t_far: f64::INFINITY, time: 0.0 };
     let mut cases = vec![
         (Ray { t_near: -1e-9, ..good }, InvalidRay::TNear),
         (Ray { t_near: f64::NAN, ..good }, InvalidRay::TNear),
@@ -183,7 +185,7 @@ fn rays_at_the_limits_are_traced() {
         for component in [MAX_DIRECTION, -MAX_DIRECTION, MIN_DIRECTION, -MIN_DIRECTION] {
             for (t_near, t_far) in [(0.0, f64::INFINITY), (0.0, 0.0), (0.0, f64::MAX), (3e38, f64::MAX)] {
                 for direction in [[component; 3], [component, 0.0, 0.0], [0.0, 1e-300, component]] {
-                    let ray = Ray { origin: [origin; 3], direction, t_near, t_far };
+                    let ray = Ray { origin: [origin; 3], direction, t_near, t_far, time: 0.0 };
                     assert!(scene.intersect(&ray).is_ok() && scene.occluded(&ray).is_ok(), "{ray:?}");
                 }
             }

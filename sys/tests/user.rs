@@ -230,24 +230,84 @@ fn ask(answer: fn(&UserRay) -> Option<UserHit>) -> (Option<Hit>, bool) {
     let mut builder = SceneBuilder::new(&support::device()).unwrap();
     builder.add_user(0, Stubborn(answer)).unwrap();
     let scene = builder.commit().unwrap();
-    let ray = Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near: 1.0, t_far: 5.0 };
+    let ray = Ray { origin: [0.1, 0.2, 3.0], direction: [0.0, 0.0, -1.0], t_near: 1.0, t_far: 5.0, time: 0.0 };
     (scene.intersect(&ray).unwrap(), scene.occluded(&ray).unwrap())
 }
 
 #[test]
 fn answers_outside_of_the_interval_count_as_none() {
-    assert!(ask(|ray| Some(UserHit { t: 0.5 * (ray.t_near + ray.t_far), u: 0.0, v: 0.0 })).0.is_some());
+    assert!(ask(|ray| Some(UserHit { t: 0.5 * (ray.t_near + ray.t_far), u: 0.0, v: 0.0, part: 0 })).0.is_some());
     assert_eq!(ask(|_| None), (None, false));
     let wrong: [fn(&UserRay) -> Option<UserHit>; 5] = [
-        |_| Some(UserHit { t: f64::NAN, u: 0.0, v: 0.0 }),
-        |_| Some(UserHit { t: f64::INFINITY, u: 0.0, v: 0.0 }),
-        |_| Some(UserHit { t: -1.0, u: 0.0, v: 0.0 }),
-        |ray| Some(UserHit { t: ray.t_near - 1e-12, u: 0.0, v: 0.0 }),
-        |ray| Some(UserHit { t: ray.t_far + 1e-12, u: 0.0, v: 0.0 }),
+        |_| Some(UserHit { t: f64::NAN, u: 0.0, v: 0.0, part: 0 }),
+        |_| Some(UserHit { t: f64::INFINITY, u: 0.0, v: 0.0, part: 0 }),
+        |_| Some(UserHit { t: -1.0, u: 0.0, v: 0.0, part: 0 }),
+        |ray| Some(UserHit { t: ray.t_near - 1e-12, u: 0.0, v: 0.0, part: 0 }),
+        |ray| Some(UserHit { t: ray.t_far + 1e-12, u: 0.0, v: 0.0, part: 0 }),
     ];
     for (case, answer) in wrong.into_iter().enumerate() {
         assert_eq!(ask(answer), (None, false), "case {case}");
     }
+}
+
+/// A ball that goes along x with time: it answers where it is when the ray flies, and names what it was asked.
+#[test]
+fn a_user_geometry_sees_the_rays_time_and_numbers_its_parts() {
+    let answer = |ray: &UserRay| {
+        let half = 1.0 - (ray.origin[0] - ray.time).powi(2);
+        (half > 0.0).then(|| UserHit {
+            t: ray.origin[2] - half.sqrt(),
+            u: ray.time,
+            v: 0.0,
+            part: (4.0 * ray.time) as u32,
+        })
+    };
+    let mut builder = SceneBuilder::new(&support::device()).unwrap();
+    builder.add_user(0, Stubborn(answer)).unwrap();
+    let scene = builder.commit().unwrap();
+    for time in [0.0, 0.25, 0.5, 0.75] {
+        let down = Ray { time, ..ray([time, 0.0, 3.0], [0.0, 0.0, -1.0]) };
+        let hit = scene.intersect(&down).unwrap().unwrap();
+        assert_eq!((hit.t, hit.u, hit.part), (2.0, time, (4.0 * time) as u32));
+        let late = Ray { time: time + 1.5, ..down };
+        assert_eq!((scene.intersect(&late), scene.occluded(&late)), (Ok(None), Ok(false)));
+    }
+}
+
+/// A mesh in a scene of its own, asked from within a callback of another one.
+#[test]
+fn a_user_geometry_may_ask_another_scene() {
+    let device = support::device();
+    let mut builder = SceneBuilder::new(&device).unwrap();
+    let (vertices, triangles) = icosphere(1);
+    builder.add_mesh(MESH, &vertices, &triangles).unwrap();
+    let inner = builder.commit().unwrap();
+    let alone = {
+        let mut builder = SceneBuilder::new(&device).unwrap();
+        builder.add_mesh(MESH, &vertices, &triangles).unwrap();
+        builder.commit().unwrap()
+    };
+    let answer = move |ray: &UserRay| {
+        let UserRay { origin, direction, t_near, t_far, time } = *ray;
+        let hit = inner.intersect(&Ray { origin, direction, t_near, t_far, time }).ok()??;
+        Some(UserHit { t: hit.t, u: hit.u, v: hit.v, part: hit.primitive })
+    };
+    let mut builder = SceneBuilder::new(&device).unwrap();
+    builder.add_user(0, Stubborn(answer)).unwrap();
+    let scene = builder.commit().unwrap();
+    const SEED: u64 = 0x5eed_0011;
+    let mut random = Random(SEED);
+    let mut hits = 0;
+    for case in 0..10_000 {
+        let origin = scale(random.direction(), 3.0);
+        let towards = ray(origin, normalize(sub(scale(random.in_cube(), 1.2), origin)));
+        let found = scene.intersect(&towards).unwrap().map(|hit| (hit.t, hit.u, hit.v, hit.part));
+        let expected = alone.intersect(&towards).unwrap().map(|hit| (hit.t, hit.u, hit.v, hit.primitive));
+        assert_eq!(found, expected, "seed {SEED:#x}, ray {case}");
+        assert_eq!(scene.occluded(&towards).unwrap(), expected.is_some(), "seed {SEED:#x}, ray {case}");
+        hits += u32::from(found.is_some());
+    }
+    assert!(hits > 2000, "only {hits} hits");
 }
 
 /// Unwinding through Embree's frames would be undefined behaviour; the process ends instead.
@@ -317,7 +377,7 @@ fn a_triangle_in_the_slack_behind_a_user_hit_does_not_win() {
         let (t, geometry) = if offset < 0.0 { (triangle + offset, SPHERES) } else { (triangle, MESH) };
         let answer = move |ray: &UserRay| {
             let t = triangle + offset;
-            (t <= ray.t_far).then_some(UserHit { t, u: 0.5, v: 0.25 })
+            (t <= ray.t_far).then_some(UserHit { t, u: 0.5, v: 0.25, part: 0 })
         };
         let mut builder = SceneBuilder::new(&device).unwrap();
         let one = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];

@@ -56,6 +56,7 @@ fn difference(scene: &Scene, at: &Interaction, e: Vec3, step: f64, hit: &RawHit)
             direction: -at.wo.to_vec(),
             t_min: 0.0,
             t_max: f64::INFINITY,
+            time: 0.0,
         };
         let near = if scene.meshes.is_empty() { shape_hit(scene, &ray).unwrap_or(*hit) } else { *hit };
         Interaction::from_hit(scene, &ray, &near)

@@ -21,6 +21,8 @@ mod lights;
 mod bad_input;
 mod mesh_files;
 mod metric;
+mod motion;
+mod motion_blur;
 mod oracles_ball;
 mod oracles_mirror;
 mod oracles_refraction;

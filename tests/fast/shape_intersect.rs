@@ -6,7 +6,7 @@ use pdembree::shape::Shape;
 use crate::support::shapes::{self, Known, random, random_direction};
 
 fn ray(origin: Point3, direction: Vec3) -> Ray {
-    Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY }
+    Ray { origin, direction, t_min: 0.0, t_max: f64::INFINITY, time: 0.0 }
 }
 
 /// The first sign change of the implicit function over `steps` samples of (from, to) that lies on the shape itself,

@@ -25,6 +25,7 @@ fn shape_crossings(shape: Shape, to_world: Transform) -> Crossings {
             direction: to_world.inverse_vector(w.to_vec()),
             t_min: 0.0,
             t_max: f64::INFINITY,
+            time: 0.0,
         };
         let mut found = Vec::new();
         while let Some(t) = shape.intersect(&ray) {

@@ -12,6 +12,7 @@ pub fn point(ng: Normal3, ns: Normal3) -> Interaction {
         p: Point3::ORIGIN,
         error: 0.0,
         t: 1.0,
+        time: 0.0,
         wo: ng.as_dir(),
         ng,
         ns,

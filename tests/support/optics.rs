@@ -93,7 +93,7 @@ impl Bench {
 
     /// Where a beam meets object `object` after more than a millionth of a metre.
     pub fn meet(&self, beam: &Beam, object: usize) -> Option<Interaction> {
-        let ray = Ray { origin: beam.p, direction: beam.w.to_vec(), t_min: 1e-6, t_max: f64::INFINITY };
+        let ray = Ray { origin: beam.p, direction: beam.w.to_vec(), t_min: 1e-6, t_max: f64::INFINITY, time: 0.0 };
         let t = match &self.scene.objects[object].geometry {
             ObjectGeometry::Mesh { .. } => 1.0, // a plane is found from anywhere
             ObjectGeometry::Shape { shape, to_world } => {

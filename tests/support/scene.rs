@@ -4,8 +4,8 @@ use pdembree::math::{Bounds3, Point3, Ray, Transform, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::{
-    CameraModel, CameraSettings, Material, MaterialId, MeshId, Object, ObjectGeometry, RenderSettings, Scene, Textured,
-    TriangleMesh,
+    CameraModel, CameraSettings, Material, MaterialId, MeshId, Object, ObjectGeometry, RenderSettings, Scene, Shutter,
+    Textured, TriangleMesh,
 };
 use pdembree::shape::Shape;
 
@@ -14,7 +14,7 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
     let mesh_bounds: Vec<Bounds3> = meshes.iter().map(TriangleMesh::bounds).collect();
     let object = |geometry: ObjectGeometry| {
         let bounds = geometry.bounds(&mesh_bounds);
-        Object { name: "test object".into(), geometry, bounds, material: MaterialId(0), light: None }
+        Object { name: "test object".into(), geometry, motion: None, bounds, material: MaterialId(0), light: None }
     };
     let objects: Vec<Object> = geometry.into_iter().map(object).collect();
     let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
@@ -31,7 +31,9 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
             up: Vec3::Y,
             resolution: [4, 4],
             filter: PixelFilter::Box,
+            motion: vec![],
         },
+        shutter: Shutter::instant(0.0),
         settings: RenderSettings::default(),
         bounds,
         hash: String::new(),
@@ -75,5 +77,5 @@ pub fn geode() -> TriangleMesh {
 
 /// A ray from `origin` towards `to`, unit direction.
 pub fn ray_towards(origin: Point3, to: Point3) -> Ray {
-    Ray { origin, direction: (to - origin).normalize(), t_min: 0.0, t_max: f64::INFINITY }
+    Ray { origin, direction: (to - origin).normalize(), t_min: 0.0, t_max: f64::INFINITY, time: 0.0 }
 }

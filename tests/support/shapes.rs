@@ -139,7 +139,8 @@ impl Known {
         for _ in 0..10_000 {
             let from = self.centre + random_direction(stream) * (2.0 * self.reach);
             let to = self.centre + random_direction(stream) * (self.reach * stream.uniform().cbrt());
-            let ray = pdembree::math::Ray { origin: from, direction: to - from, t_min: 0.0, t_max: f64::INFINITY };
+            let ray =
+                pdembree::math::Ray { origin: from, direction: to - from, t_min: 0.0, t_max: f64::INFINITY, time: 0.0 };
             if let Some(t) = self.shape.intersect(&ray) {
                 return self.shape.surface_at(ray.at(t)).p;
             }

@@ -1,8 +1,10 @@
 //! Small worlds and the rays that cross them. Metres.
 
-use pdembree::math::{Dir3, Point3, Ray, Transform, Vec2, Vec3};
+use std::sync::Arc;
+
+use pdembree::math::{Bounds3, Dir3, Motion, Point3, Ray, Transform, Vec2, Vec3};
 use pdembree::sampling::stream::{Purpose, Stream};
-use pdembree::scene::{MeshId, ObjectGeometry, TriangleMesh};
+use pdembree::scene::{MeshId, Object, ObjectGeometry, Scene, Shutter, TriangleMesh};
 use pdembree::shape::{Cylinder, Disk, HeightField, Rectangle, Shape, Sphere, Torus, Wave};
 
 /// Numbers of one test case.
@@ -136,7 +138,32 @@ pub fn placements(seed: u64, count: usize) -> Vec<Transform> {
     (0..count).map(place).collect()
 }
 
-/// Rays towards the cube of the given half width, from near and far; some along an axis, some with a bounded interval.
+/// A motion of what `placed` has put into the world, over three keys from 0 to 1 s, with wide turns and changes of scale.
+pub fn motion(numbers: &mut Numbers, placed: &Transform) -> Motion {
+    let mut key = |time| {
+        let scale = Vec3::splat(1.0) + numbers.in_cube(0.4);
+        let turn = Transform::rotate(numbers.direction(), numbers.between(0.0, 1.4));
+        let map = Transform::translate(numbers.in_cube(0.7)).compose(&turn);
+        (time, map.compose(&Transform::scale(scale).expect("no factor is zero")))
+    };
+    Motion::new(&[key(0.0), key(0.3), key(1.0)], placed).expect("turns below half a turn")
+}
+
+/// The scene with every object moving from 0 to 1 s, the shutter's interval.
+pub fn moving(seed: u64, mut scene: Scene) -> Scene {
+    let mut numbers = Numbers::new(seed);
+    let meshes: Vec<Bounds3> = scene.meshes.iter().map(TriangleMesh::bounds).collect();
+    scene.shutter = Shutter { open: 0.0, close: 1.0 };
+    for object in &mut scene.objects {
+        let motion = motion(&mut numbers, object.geometry.to_world());
+        object.bounds = Object::swept_bounds(&object.geometry, Some(&motion), scene.shutter, &meshes);
+        object.motion = Some(Arc::new(motion));
+        scene.bounds = scene.bounds.union(object.bounds);
+    }
+    scene
+}
+
+/// Rays at random times from 0 to 1 s towards the cube of the given half width, from near and far; some along an axis, some with a bounded interval.
 pub fn rays(seed: u64, count: usize, half: f64) -> Vec<Ray> {
     let mut numbers = Numbers::new(seed);
     let ray = |i: usize| {
@@ -153,5 +180,6 @@ pub fn rays(seed: u64, count: usize, half: f64) -> Vec<Ray> {
             _ => ray,
         }
     };
-    (0..count).map(ray).collect()
+    let rays: Vec<Ray> = (0..count).map(ray).collect();
+    rays.into_iter().map(|ray| ray.at_time(numbers.between(0.0, 1.0))).collect()
 }

@@ -59,6 +59,9 @@ pub fn verdict(geometry: &Geometry, ray: &Ray, hit: &RawHit) -> Verdict {
     match geometry.items.get(hit.object.index()) {
         Some(Item::Mesh(mesh)) => of_mesh(mesh, &Transform::IDENTITY, ray, hit.primitive),
         Some(Item::Instance { mesh, to_world }) => of_mesh(&geometry.shared[*mesh], to_world, ray, hit.primitive),
+        Some(Item::MovingMesh { mesh, motion }) => {
+            of_mesh(&geometry.shared[*mesh], &motion.at(ray.time), ray, hit.primitive)
+        }
         Some(Item::Shape(placed)) if hit.primitive == 0 => of_shape(placed, ray),
         Some(Item::Shape(_)) | None => Verdict::nowhere(),
     }

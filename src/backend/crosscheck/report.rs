@@ -105,6 +105,7 @@ pub struct RayBits {
     pub direction: [String; 3],
     pub t_min: String,
     pub t_max: String,
+    pub time: String,
 }
 
 impl RayBits {
@@ -115,6 +116,7 @@ impl RayBits {
             direction: ray.direction.to_array().map(bits),
             t_min: bits(ray.t_min),
             t_max: bits(ray.t_max),
+            time: bits(ray.time),
         }
     }
     /// The ray again; `None` where a text is no hexadecimal number.
@@ -126,6 +128,7 @@ impl RayBits {
             direction: Vec3::from_array(triple(&self.direction)?),
             t_min: number(&self.t_min)?,
             t_max: number(&self.t_max)?,
+            time: number(&self.time)?,
         })
     }
 }

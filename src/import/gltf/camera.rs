@@ -47,6 +47,8 @@ pub(super) fn describe(
         up: direction(to_world, DVec3::Y).to_array(),
         resolution: resolution(aspect),
         filter: PixelFilter::Box,
+        shutter: None,
+        motion: Vec::new(),
     })
 }
 
@@ -72,5 +74,7 @@ pub(super) fn framing(bounds: Bounds3, source: &Source) -> CameraDescription {
         up: [0.0, 1.0, 0.0],
         resolution: resolution(aspect),
         filter: PixelFilter::Box,
+        shutter: None,
+        motion: Vec::new(),
     }
 }

@@ -189,6 +189,7 @@ impl Reading<'_, '_> {
                 shape: ShapeDescription::Mesh { mesh: Some(index) },
                 material: Reference { name: finish.name, source: self.source.clone() },
                 transform: transform.into_iter().collect(),
+                motion: Vec::new(),
                 emission: finish.emission,
             });
         }

@@ -4,11 +4,11 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use crate::import::keyed::convert::{
-    Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found,
+    ANY, Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found,
 };
 use crate::import::keyed::reader::Section;
 use crate::scene::camera::PixelFilter;
-use crate::scene::description::{CameraDescription, CameraModelDescription};
+use crate::scene::description::{CameraDescription, CameraKeyDescription, CameraModelDescription};
 use crate::scene::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect,
     KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
@@ -75,7 +75,11 @@ pub(super) fn read(section: Section<'_>, base: Option<&CameraDescription>) -> Ca
         up: section.or("up", Direction, base.map_or([0.0, 1.0, 0.0], |b| b.up)),
         resolution: as_in_base(&section, "resolution", resolution, base_resolution, [1, 1]).map(|n| n as u32),
         filter: section.or("filter", FILTERS, base.map_or(PixelFilter::Box, |b| b.filter)),
+        shutter: section.optional("shutter", Array(ANY)).or(base.and_then(|b| b.shutter)),
+        motion: Vec::new(),
     };
+    let motion = section.tables("motion", |i| format!("key {i} of the camera's `motion`"));
+    let camera = CameraDescription { motion: motion.iter().map(|key| read_key(key, &camera)).collect(), ..camera };
     if model_name.is_some() {
         section.finish();
     }
@@ -94,6 +98,19 @@ fn as_in_base<K: Convert>(
         Some(base) => section.or(key, kind, base),
         None => section.required(key, kind, placeholder),
     }
+}
+
+/// A place at a time; what it does not say is as in `camera`.
+fn read_key(section: &Section<'_>, camera: &CameraDescription) -> CameraKeyDescription {
+    let key = CameraKeyDescription {
+        source: section.source(),
+        time: section.required("time", ANY, 0.0),
+        position: section.or("position", POINT, camera.position),
+        target: section.or("target", POINT, camera.target),
+        up: section.or("up", Direction, camera.up),
+    };
+    section.finish();
+    key
 }
 
 /// The keys of the model; with `known` false its name was wrong and no key is missed.

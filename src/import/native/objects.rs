@@ -9,7 +9,7 @@ use crate::import::keyed::convert::{
 };
 use crate::import::keyed::reader::Section;
 use crate::scene::description::{
-    Emission, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
+    Emission, MotionKey, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
 };
 
 #[derive(Clone, Copy, PartialEq)]
@@ -50,6 +50,7 @@ fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<O
     let source = section.source();
     let name = section.or("name", Text, format!("object {index}"));
     let transform = read_transform(&section);
+    let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect::<Vec<_>>();
     let emission = read_emission(&section);
     let material = section.get("material").map(|value| Reference {
         name: section.reader.convert("material", value, &Text).unwrap_or_default(),
@@ -83,6 +84,7 @@ fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<O
         shape,
         material,
         transform: transform.clone(),
+        motion: motion.clone(),
         emission: emission.clone(),
     };
     parts.into_iter().map(part).collect()
@@ -189,6 +191,14 @@ fn read_emission(section: &Section<'_>) -> Option<Emission> {
 fn read_transform(section: &Section<'_>) -> Vec<TransformStep> {
     let steps = section.tables("transform", |i| format!("step {i} of `transform`"));
     steps.into_iter().filter_map(read_step).collect()
+}
+
+/// A time and where the object is then.
+fn read_key(section: &Section<'_>) -> MotionKey {
+    let time = section.required("time", ANY, 0.0);
+    let key = MotionKey { source: section.source(), time, transform: read_transform(section) };
+    section.finish();
+    key
 }
 
 /// A table with one of the keys translate, rotate, scale, matrix.

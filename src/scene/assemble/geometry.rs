@@ -1,13 +1,17 @@
 //! Objects' geometry: transforms that can be inverted, shapes that exist, meshes that are sound.
 
+use std::sync::Arc;
+
 use super::Report;
 use super::materials::Materials;
 use super::meshes::{Topology, make_sound};
-use crate::math::{Bounds3, Dir3, Point3, Transform, Vec2, Vec3};
+use super::motion::moving;
+use crate::math::{Bounds3, Dir3, Motion, Point3, Transform, Vec2, Vec3};
+use crate::scene::camera::Shutter;
 use crate::scene::description::{
     ObjectDescription, SceneDescription, ShapeDescription, TransformMap, TransformStep, WaveDescription,
 };
-use crate::scene::error::Problem;
+use crate::scene::error::{Problem, Source};
 use crate::scene::ids::MeshId;
 use crate::scene::material::Material;
 use crate::scene::mesh::TriangleMesh;
@@ -20,26 +24,40 @@ const SINGULAR: f64 = 1e-12;
 pub(super) struct Geometry {
     pub meshes: Vec<TriangleMesh>,
     /// One for each object of the description, `None` where it is broken.
-    pub placed: Vec<Option<ObjectGeometry>>,
+    pub placed: Vec<Option<Placed>>,
     /// Around each mesh, its own space.
     pub mesh_bounds: Vec<Bounds3>,
 }
 
+/// An object's geometry and how it moves.
+#[derive(Clone)]
+pub(super) struct Placed {
+    pub geometry: ObjectGeometry,
+    pub motion: Option<Arc<Motion>>,
+}
+
 impl Geometry {
     /// Takes the meshes out of the description.
-    pub fn assemble(description: &mut SceneDescription, materials: &Materials, report: &mut Report) -> Geometry {
+    pub fn assemble(
+        description: &mut SceneDescription,
+        shutter: Shutter,
+        materials: &Materials,
+        report: &mut Report,
+    ) -> Geometry {
         let sound: Vec<bool> = description.meshes.iter_mut().map(|mesh| make_sound(mesh, report)).collect();
         warn_about_glass(description, &sound, materials, report);
         let meshes: Vec<TriangleMesh> = description.meshes.iter_mut().map(|m| std::mem::take(&mut m.mesh)).collect();
-        let place = |object: &ObjectDescription| place(object, &sound, report);
-        let placed: Vec<Option<ObjectGeometry>> = description.objects.iter().map(place).collect();
+        let place = |object: &ObjectDescription| place(object, shutter, &sound, report);
+        let placed = description.objects.iter().map(place).collect();
         let mesh_bounds = meshes.iter().map(TriangleMesh::bounds).collect();
         Geometry { meshes, mesh_bounds, placed }
     }
 }
 
-fn place(object: &ObjectDescription, sound: &[bool], report: &mut Report) -> Option<ObjectGeometry> {
-    let to_world = transform(object, report);
+fn place(object: &ObjectDescription, shutter: Shutter, sound: &[bool], report: &mut Report) -> Option<Placed> {
+    let to_world = transform(&object.name, &object.transform, &object.source, report);
+    let moving = to_world.and_then(|placed| moving(object, placed, shutter, report));
+    let (to_world, motion) = moving.map_or((None, None), |(to_world, motion)| (Some(to_world), motion));
     let geometry = match object.shape {
         ShapeDescription::Mesh { mesh } => {
             let mesh = mesh.filter(|&i| sound.get(i).copied().unwrap_or(false))?;
@@ -57,7 +75,7 @@ fn place(object: &ObjectDescription, sound: &[bool], report: &mut Report) -> Opt
             ObjectGeometry::Shape { shape, to_world: to_world? }
         }
     };
-    Some(geometry)
+    Some(Placed { geometry, motion })
 }
 
 /// The exact shape; `Ok(None)` for a mesh.
@@ -91,21 +109,26 @@ fn shape(described: &ShapeDescription) -> Result<Option<Shape>, ShapeError> {
     Ok(Some(shape))
 }
 
-/// The product of an object's steps, or `None` after reporting one that cannot be inverted.
-fn transform(object: &ObjectDescription, report: &mut Report) -> Option<Transform> {
+/// The product of steps that the object `name` goes through, or `None` after reporting one that cannot be inverted.
+pub(super) fn transform(
+    name: &str,
+    steps: &[TransformStep],
+    source: &Source,
+    report: &mut Report,
+) -> Option<Transform> {
     let mut product = Some(Transform::IDENTITY);
-    for step in &object.transform {
+    for step in steps {
         let map = step_transform(step).filter(is_regular);
         if map.is_none() {
-            let message = format!("the transform of `{}` is singular: it flattens the object", object.name);
+            let message = format!("the transform of `{name}` is singular: it flattens the object");
             let help = "scales must differ from 0, an axis must have a length, a matrix needs independent columns";
             report.problem(Problem::new(message).help(help).at(&step.source));
         }
         product = product.zip(map).map(|(outer, inner)| outer.compose(&inner));
     }
     if product.is_some_and(|p| !is_regular(&p)) {
-        let message = format!("the product of the transforms of `{}` is not finite or singular", object.name);
-        report.problem(Problem::new(message).help("check the scales").at(&object.source));
+        let message = format!("the product of the transforms of `{name}` is not finite or singular");
+        report.problem(Problem::new(message).help("check the scales").at(source));
         return None;
     }
     product

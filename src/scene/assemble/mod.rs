@@ -8,11 +8,13 @@ mod geometry;
 mod lights;
 mod materials;
 mod meshes;
+mod motion;
 
 use std::collections::HashMap;
 
-use self::geometry::Geometry;
+use self::geometry::{Geometry, Placed};
 use self::materials::Materials;
+use super::camera::Shutter;
 use super::description::{ObjectDescription, SceneDescription, ShapeDescription};
 use super::error::{Problem, Problems};
 use super::hash::{digest, digest_of_contents};
@@ -52,12 +54,16 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let mut report = Report { warnings: std::mem::take(&mut description.warnings), ..Report::default() };
     let hashes = (digest(&description), digest_of_contents(&description));
 
-    let camera = camera::assemble(description.camera.as_ref(), &description.source, &mut report);
+    let shutter = description
+        .camera
+        .as_ref()
+        .map_or(Shutter::instant(0.0), |camera| motion::shutter(camera.shutter, &camera.source, &mut report));
+    let camera = camera::assemble(description.camera.as_ref(), shutter, &description.source, &mut report);
     check_settings(&description, &mut report);
     let materials = Materials::assemble(&description, &mut report);
-    let geometry = Geometry::assemble(&mut description, &materials, &mut report);
+    let geometry = Geometry::assemble(&mut description, shutter, &materials, &mut report);
     let mut lights = lights::assemble(&description.lights, &mut report);
-    let objects = place_objects(&description, &materials, &geometry, &mut lights, &mut report);
+    let objects = place_objects(&description, shutter, &materials, &geometry, &mut lights, &mut report);
     check_names(&description, &mut report);
     lights::check_some_light(&lights, &description, &mut report);
     let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
@@ -67,8 +73,10 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let Report { problems, warnings } = report;
     // Without a camera there is a problem, so the default is never seen.
     let Some(camera) = camera else { return Err(problems) };
+    let moves = !camera.motion.is_empty() || objects.iter().any(|object| object.motion.is_some());
+    let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
-    problems.into_result((Scene { bounds, ..scene }, warnings))
+    problems.into_result((Scene { bounds, shutter, ..scene }, warnings))
 }
 
 fn scene(
@@ -87,6 +95,7 @@ fn scene(
         textures: materials.textures,
         lights,
         camera,
+        shutter: Shutter::instant(0.0),
         settings,
         bounds: Bounds3::EMPTY,
         hash,
@@ -97,6 +106,7 @@ fn scene(
 /// Objects with their materials; those that emit become lights.
 fn place_objects(
     description: &SceneDescription,
+    shutter: Shutter,
     materials: &Materials,
     geometry: &Geometry,
     lights: &mut Vec<LightSource>,
@@ -110,7 +120,8 @@ fn place_objects(
     for (item, placed) in description.objects.iter().zip(&geometry.placed) {
         let material = materials.find(&item.material, report);
         let (Some(material), Some(placed)) = (material, placed) else { continue };
-        check_texture_coordinates(item, placed, materials, geometry, report);
+        let Placed { geometry: own, motion } = placed.clone();
+        check_texture_coordinates(item, &own, materials, geometry, report);
         let light = item.emission.as_ref().map(|emission| {
             let object = ObjectId(objects.len() as u32);
             let radiance = Spectrum::from(emission.radiance);
@@ -125,8 +136,8 @@ fn place_objects(
             lights.push(LightSource::Area { object, radiance, two_sided: emission.two_sided });
             LightId(lights.len() as u32 - 1)
         });
-        let bounds = placed.bounds(&geometry.mesh_bounds);
-        objects.push(Object { name: item.name.clone(), geometry: placed.clone(), bounds, material, light });
+        let bounds = Object::swept_bounds(&own, motion.as_deref(), shutter, &geometry.mesh_bounds);
+        objects.push(Object { name: item.name.clone(), geometry: own, motion, bounds, material, light });
     }
     objects
 }

@@ -38,7 +38,7 @@ pub fn device() -> Device {
 }
 
 pub fn ray(origin: Vec3, direction: Vec3) -> Ray {
-    Ray { origin, direction, t_near: 0.0, t_far: f64::INFINITY }
+    Ray { origin, direction, t_near: 0.0, t_far: f64::INFINITY, time: 0.0 }
 }
 
 /// SplitMix64 [Steele et al. 2014]: enough for test inputs, and the seed is the whole state.
@@ -111,7 +111,7 @@ impl UserGeometry for Spheres {
     fn intersect(&self, prim: u32, ray: &UserRay) -> Option<UserHit> {
         let roots = self.roots(prim, ray.origin, ray.direction)?;
         let t = roots.into_iter().find(|t| (ray.t_near..=ray.t_far).contains(t))?;
-        Some(UserHit { t, u: f64::from(prim) + 0.1, v: t / 3.0 })
+        Some(UserHit { t, u: f64::from(prim) + 0.1, v: t / 3.0, part: 0 })
     }
 }
 

@@ -6,7 +6,7 @@ mod meshes;
 use std::sync::Arc;
 
 use crate::support::scene::scene;
-use crate::support::worlds::{Numbers, icosphere, mesh, placed, placements, rays, shapes, soup};
+use crate::support::worlds::{Numbers, icosphere, mesh, moving, placed, placements, rays, shapes, soup};
 use pdembree::backend::crosscheck::{Crosscheck, Query, RayKind};
 use pdembree::backend::{Backend, BackendError, BruteBackend, Geometry, build, build_over};
 use pdembree::math::{Dir3, Point3, Ray, Transform, Vec3};
@@ -25,7 +25,7 @@ fn judge(scene: &Scene) -> BruteBackend {
     BruteBackend::new(Arc::new(Geometry::new(scene).expect("a sound scene")))
 }
 
-/// Triangles alone, a closed mesh, baked and instanced placements, each exact shape alone, all mixed.
+/// Triangles alone, a closed mesh, baked and instanced placements, each exact shape alone, all mixed; the same moving.
 fn all_worlds() -> Vec<(&'static str, Scene)> {
     let instances = |count: u32| -> Vec<ObjectGeometry> {
         placements(6, 12).into_iter().zip(0..).map(|(to_world, i)| placed(i % count, to_world)).collect()
@@ -48,6 +48,13 @@ fn all_worlds() -> Vec<(&'static str, Scene)> {
         let placements = vec![shape((one.clone(), Transform::IDENTITY)), shape((one, to_world))];
         worlds.push((name, scene(placements, vec![])));
     }
+    let moving_of = |name| moving(19, worlds.iter().find(|(of, _)| *of == name).expect("one of them").1.clone());
+    let moves = ["baked", "instances", "mixed", "torus", "height field"].map(|name| ("moving", moving_of(name)));
+    // Some of what a moving object shares its mesh with may stand still.
+    let mut half = moving_of("mixed");
+    worlds.extend(moves);
+    half.objects.iter_mut().step_by(2).for_each(|object| object.motion = None);
+    worlds.push(("half of it moving", half));
     worlds
 }
 
