@@ -12,9 +12,18 @@ pub fn reflect<const N: usize>(
     n: Normal3,
     shape: &ShapeOperator,
 ) -> (Dir3, Differential<N>) {
+    reflect_about(d, w, n, shape.apply_each(&d.dx))
+}
+
+/// The same where the normal changes by `dn` with each parameter.
+pub(super) fn reflect_about<const N: usize>(
+    d: &Differential<N>,
+    w: Dir3,
+    n: Normal3,
+    dn: Vectors<N>,
+) -> (Dir3, Differential<N>) {
     let cos = w.dot(n);
     let reflected = Dir3::from_unit(renormalised(w.to_vec() - n * (2.0 * cos)));
-    let dn = shape.apply_each(&d.dx);
     let dcos = d.dw.dot(n.to_vec()) + dn.dot(w.to_vec());
     let dw = d.dw - (dn * cos + Vectors::multiples(n.to_vec(), dcos)) * 2.0;
     (reflected, Differential { dx: d.dx, dw })

@@ -1,7 +1,7 @@
 //! Refraction · [Igehy99 (16)–(19)], with the full derivative of the normal and of the index ratio.
 
 use super::lanes::Vectors;
-use super::reflect::{reflect, renormalised};
+use super::reflect::{reflect_about, renormalised};
 use super::state::{Differential, ShapeOperator};
 use crate::math::{Dir3, Normal3};
 
@@ -22,18 +22,28 @@ pub fn refract<const N: usize>(
     shape: &ShapeOperator,
     eta: f64,
 ) -> Refraction<N> {
+    refract_about(d, w, n, shape.apply_each(&d.dx), eta)
+}
+
+/// The same where the normal changes by `dn` with each parameter.
+pub(super) fn refract_about<const N: usize>(
+    d: &Differential<N>,
+    w: Dir3,
+    n: Normal3,
+    dn: Vectors<N>,
+    eta: f64,
+) -> Refraction<N> {
     // The rule is written for a normal against the ray.
-    let (n, shape) = if w.dot(n) > 0.0 { (-n, shape.flipped()) } else { (n, *shape) };
+    let (n, dn) = if w.dot(n) > 0.0 { (-n, dn * -1.0) } else { (n, dn) };
     let c = -w.dot(n);
     let k = 1.0 - eta * eta * (1.0 - c * c);
     if k <= 0.0 {
-        let (reflected, columns) = reflect(d, w, n, &shape);
+        let (reflected, columns) = reflect_about(d, w, n, dn);
         return Refraction::TotalReflection(reflected, columns);
     }
     let root = k.sqrt();
     let m = eta * c - root;
     let transmitted = Dir3::from_unit(renormalised(w * eta + n * m));
-    let dn = shape.apply_each(&d.dx);
     let dcos = d.dw.dot(n.to_vec()) + dn.dot(w.to_vec());
     // dm/dk with constant η: η dc − η² c dc / √k, and dc = −d cos.
     let dm = dcos * (eta * eta * c / root - eta);

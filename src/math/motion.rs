@@ -91,6 +91,31 @@ impl Motion {
         Transform::of_product(rotation, stretch, translation)
     }
 
+    /// How the body moves at `time` about the world point `p` of it: the velocity there, and its gradient, with which the
+    /// velocity at x is v + L (x − p).
+    ///
+    /// From x = T + R (S c + o), with the turn ω = θ' a and a dot for d/dt, L = [ω]× + R Ṡ S⁻¹ Rᵀ and
+    /// v = Ṫ + ω × (x − T) + R (Ṡ c + ȯ).
+    pub fn velocity(&self, time: f64, p: Point3) -> (Vec3, glam::DMat3) {
+        if time < self.keys[0].time || time > self.keys[self.keys.len() - 1].time {
+            return (Vec3::ZERO, glam::DMat3::ZERO);
+        }
+        let (from, to, s) = self.between(time);
+        let rate = 1.0 / (to.time - from.time);
+        let rotation = turn(from.axis, s * from.angle) * from.rotation;
+        let stretch = from.stretch + (to.stretch - from.stretch) * s;
+        let stretching = (to.stretch - from.stretch) * rate;
+        let omega = from.axis * (from.angle * rate);
+        let spoke = p.to_vec() - from.translation.lerp(to.translation, s);
+        let own = stretch.inverse() * (rotation.transpose() * spoke - from.offset.lerp(to.offset, s));
+        let growth = rotation * (stretching * own + (to.offset - from.offset) * rate);
+        let turning = glam::DMat3::from_cols(omega.cross(Vec3::X), omega.cross(Vec3::Y), omega.cross(Vec3::Z));
+        (
+            (to.translation - from.translation) * rate + omega.cross(spoke) + growth,
+            turning + rotation * stretching * stretch.inverse() * rotation.transpose(),
+        )
+    }
+
     /// Whether the body stands still from `open` to `close`.
     pub fn is_still(&self, open: f64, close: f64) -> bool {
         self.segments(open, close).all(|(from, to, ..)| {

@@ -3,7 +3,7 @@
 
 use super::triangle;
 use crate::backend::RawHit;
-use crate::differential::ShapeOperator;
+use crate::differential::{ShapeOperator, SurfaceMotion};
 use crate::math::float::{offset_ray_origin, origin_offset};
 use crate::math::{Dir3, Normal3, Point3, Ray, Transform, Vec3};
 use crate::scene::{MaterialId, ObjectGeometry, ObjectId, Scene};
@@ -78,6 +78,17 @@ impl Interaction {
             primitive: hit.primitive,
             material: object.material,
             exact: found.exact,
+        }
+    }
+
+    /// How the object moves here, per second.
+    pub fn motion(&self, scene: &Scene) -> SurfaceMotion {
+        match &scene.objects[self.object.index()].motion {
+            None => SurfaceMotion::STILL,
+            Some(motion) => {
+                let (velocity, gradient) = motion.velocity(self.time, self.p);
+                SurfaceMotion { velocity, gradient }
+            }
         }
     }
 

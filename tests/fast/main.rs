@@ -40,4 +40,5 @@ mod study;
 mod structure;
 mod tev;
 mod texture;
+mod time_column;
 mod warps;
