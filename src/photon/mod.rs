@@ -1,6 +1,7 @@
 //! Photons: emit → trace → map.
 
 pub mod bounce;
+mod columns;
 mod edge;
 pub mod emit;
 pub mod footprint;
@@ -13,6 +14,7 @@ pub mod path;
 pub mod record;
 pub mod share;
 pub mod survey;
+pub mod time_cells;
 pub mod trace;
 
 pub use bounce::Bounces;
@@ -22,4 +24,5 @@ pub use map::{PhotonHarvest, PhotonMap};
 pub use path::{FirstEvent, PathLimits, PhotonCounts};
 pub use record::Photon;
 pub use share::Share;
+pub use time_cells::TimeCells;
 pub use trace::PhotonTracer;

@@ -9,26 +9,27 @@
 //! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
 
 use super::bounce::Bounces;
+use super::columns::Columns;
 use super::edge;
 use super::emit::Population;
 use super::footprint::Spread;
 use super::kinds::Kinds;
 use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
 use super::record::Photon;
-use crate::differential::health::MAX_SPREAD;
-use crate::differential::{Differential, Refraction, blurred, narrowed, reflect, refract, transfer};
+use super::time_cells::TimeCells;
+use crate::differential::{SurfaceMotion, blurred};
 use crate::light::Emission;
-use crate::math::{Dir3, Normal3, Point3, Ray};
+use crate::math::{Dir3, Point3, Ray};
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
 use crate::scene::Scene;
 use crate::surface::adjoint::shading_normal_factor;
-use crate::surface::{Bsdf, DeltaBranch, Interaction, TransportMode};
+use crate::surface::{Bsdf, Interaction, TransportMode};
 use crate::world::World;
 
 /// Traces photons into a list; one for each unit of work. N = 4 columns go with each of them, or none for the estimates that
-/// have a width of their own.
-pub struct PhotonTracer<'a, const N: usize> {
+/// have a width of their own; T = 1 of time where surfaces move, or none.
+pub struct PhotonTracer<'a, const N: usize, const T: usize = 0> {
     world: &'a World,
     limits: PathLimits,
     spread: Spread,
@@ -43,7 +44,9 @@ pub struct PhotonTracer<'a, const N: usize> {
     stores_scattered: bool,
     /// When the photon under way flies, s.
     time: f64,
-    pending: Vec<Branch<N>>,
+    /// What of the shutter's interval photons stand for.
+    time_cells: TimeCells,
+    pending: Vec<Branch<N, T>>,
     pub stored: Kinds<Vec<Photon>>,
     pub counts: PhotonCounts,
 }
@@ -55,10 +58,10 @@ const WIDEST: f64 = 0.5;
 type Kind = fn(&mut Kinds<Vec<Photon>>) -> &mut Vec<Photon>;
 
 /// A ray of light on its way.
-struct Branch<const N: usize> {
+struct Branch<const N: usize, const T: usize> {
     origin: Point3,
     w: Dir3,
-    columns: Differential<N>,
+    columns: Columns<N, T>,
     flux: Flux,
     /// Share of the photon's flux, before roulette.
     share: f64,
@@ -72,22 +75,22 @@ struct Branch<const N: usize> {
     bounces: u32,
 }
 
-impl<const N: usize> Branch<N> {
+impl<const N: usize, const T: usize> Branch<N, T> {
     /// What goes on from `si` into `w` with `weight` of the flux and that `share` of the photon's, having survived roulette
     /// with the probability `q`; the caller counts the event.
     fn next(
         &self,
         si: &Interaction,
         w: Dir3,
-        columns: &Differential<N>,
+        columns: &Columns<N, T>,
         weight: Spectrum,
         share: f64,
         q: f64,
-    ) -> Branch<N> {
+    ) -> Branch<N, T> {
         Branch {
             origin: si.ray_origin(w),
             w,
-            columns: columns.scaled(q.sqrt().recip()),
+            columns: columns.survived(q),
             flux: self.flux * (weight / q),
             share: share / q,
             edge: self.edge + 1,
@@ -99,29 +102,29 @@ impl<const N: usize> Branch<N> {
 }
 
 /// What is stored of a photon.
-struct Landing<const N: usize> {
+struct Landing<const N: usize, const T: usize> {
     si: Interaction,
     /// Towards where it came from.
     wi: Dir3,
-    columns: Differential<N>,
+    columns: Columns<N, T>,
     flux: Flux,
 }
 
-impl<const N: usize> Landing<N> {
+impl<const N: usize, const T: usize> Landing<N, T> {
     /// On an object that moves, carried along with it to where light of all times meets; the flux stands for the same
     /// irradiance if the object is stretched on the way.
-    fn at_rest(self, scene: &Scene) -> Landing<N> {
+    fn at_rest(self, scene: &Scene) -> Landing<N, T> {
         let Some(to_rest) = self.si.to_rest(scene) else { return self };
         Landing {
             si: to_rest.interaction(&self.si),
             wi: to_rest.direction(self.wi),
-            columns: to_rest.columns(&self.columns),
+            columns: Columns { cell: to_rest.columns(&self.columns.cell), time: to_rest.columns(&self.columns.time) },
             flux: self.flux * to_rest.area(self.si.ng),
         }
     }
 }
 
-impl<'a, const N: usize> PhotonTracer<'a, N> {
+impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
         PhotonTracer {
@@ -135,6 +138,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             part: 1.0,
             stores_scattered: false,
             time: world.scene.shutter.open,
+            time_cells: TimeCells::one(world.scene.shutter),
             pending: Vec::new(),
             stored: Kinds::default(),
             counts: PhotonCounts::default(),
@@ -152,10 +156,15 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         PhotonTracer { part: 1.0 - eyes_part, ..self }
     }
 
+    /// For photons that stand for these parts of the shutter's interval.
+    pub fn over(self, time_cells: TimeCells) -> Self {
+        PhotonTracer { time_cells, ..self }
+    }
+
     /// Follows one photon that was emitted at `time` to the end of all its branches.
     pub fn trace(&mut self, emission: &Emission, time: f64, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
-        let (columns, flux) = (emission.jacobian.first(), emission.flux);
+        let (columns, flux) = (Columns::emitted(&emission.jacobian), emission.flux);
         self.time = time;
         self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0 });
         while let Some(branch) = self.pending.pop() {
@@ -179,17 +188,17 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
     }
 
-    fn fly(&mut self, branch: Branch<N>, stream: &mut Stream) {
+    fn fly(&mut self, branch: Branch<N, T>, stream: &mut Stream) {
         let Some(si) = self.world.intersect(&Ray::new(branch.origin, branch.w).at_time(self.time)) else {
             self.counts.escaped += 1;
             return;
         };
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
-        let flown = match self.bounces.filter(|_| straight_from_bounce) {
-            Some(bounces) => bounces.landing(&branch.columns, &si),
-            None => branch.columns,
-        };
-        let columns = transfer(&flown, branch.w, si.t, si.ng);
+        let mut flown = branch.columns;
+        if let Some(bounces) = self.bounces.filter(|_| straight_from_bounce) {
+            flown.cell = bounces.landing(&flown.cell, &si);
+        }
+        let columns = flown.transferred(branch.w, &si, &self.motion(&si));
         if !columns.is_finite() {
             self.counts.broken_columns += 1;
             return;
@@ -226,9 +235,14 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
     }
 
+    /// How the surface moves in a time cell.
+    fn motion(&self, si: &Interaction) -> SurfaceMotion {
+        if T == 0 { SurfaceMotion::STILL } else { si.motion(&self.world.scene).per(self.time_cells.length()) }
+    }
+
     /// Where a photon that has come this way is stored; `None`: it is none of the photons' light. The eye looks on past a
     /// glossy surface, so that only what comes over delta events is the photons' there.
-    fn kind_of(&self, branch: &Branch<N>, on_glossy: bool) -> Option<Kind> {
+    fn kind_of(&self, branch: &Branch<N, T>, on_glossy: bool) -> Option<Kind> {
         let chain = if on_glossy { branch.deltas } else { branch.chain };
         if on_glossy && chain == 0 {
             return None;
@@ -244,7 +258,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         }
     }
 
-    fn store(&mut self, si: &Interaction, branch: &Branch<N>, columns: &Differential<N>, kind: Kind) {
+    fn store(&mut self, si: &Interaction, branch: &Branch<N, T>, columns: &Columns<N, T>, kind: Kind) {
         if !branch.flux.0.is_finite() {
             self.counts.broken_flux += 1;
             return;
@@ -252,8 +266,12 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
         let landing = Landing { si: *si, wi: -branch.w, columns: *columns, flux }.at_rest(&self.world.scene);
         let Landing { si, wi, columns, flux } = landing;
-        let frame = Photon::frame_of(si.ng);
-        let mut form = self.spread.footprint(&columns, &frame);
+        let (mut p, frame) = (si.p, Photon::frame_of(si.ng));
+        let mut form = self.spread.footprint(&columns.cell, &frame);
+        for sweep in columns.time.dx.to_array() {
+            form = form.plus(self.time_cells.swept(sweep, &frame));
+            p += sweep * self.time_cells.to_middle(self.time);
+        }
         let has_columns = matches!(self.spread, Spread::Columns { .. });
         if has_columns {
             form = form.on_curved(&frame, &si.shape);
@@ -262,7 +280,7 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         if is_scattered {
             form = form.at_most(self.widest);
         }
-        let photon = Photon::new(si.p, wi, si.ng, flux, form, branch.bounces);
+        let photon = Photon::new(p, wi, si.ng, flux, form, branch.bounces);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
@@ -279,8 +297,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         &mut self,
         si: &Interaction,
         bsdf: &Bsdf,
-        branch: &Branch<N>,
-        columns: &Differential<N>,
+        branch: &Branch<N, T>,
+        columns: &Columns<N, T>,
         stream: &mut Stream,
     ) {
         let mut followed = 0;
@@ -292,8 +310,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
                 self.counts.roulette += 1;
                 continue;
             };
-            let (w, columns) = redirected(si, branch.w, columns, &delta);
-            let (columns, narrow) = narrowed(&columns, MAX_SPREAD);
+            let (w, columns) = columns.over_facet(si, branch.w, (si.ns, delta.eta), &self.motion(si));
+            let (columns, narrow) = columns.narrowed();
             self.counts.narrowed_columns += u64::from(narrow);
             let next = branch.next(si, w, &columns, delta.weight, share, q);
             self.pending.push(Branch { chain: branch.chain + 1, deltas: branch.deltas + 1, ..next });
@@ -307,8 +325,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         &mut self,
         si: &Interaction,
         bsdf: &Bsdf,
-        branch: &Branch<N>,
-        columns: &Differential<N>,
+        branch: &Branch<N, T>,
+        columns: &Columns<N, T>,
         stream: &mut Stream,
     ) {
         let (uc, u, mode) = (stream.uniform(), stream.uniform2(), TransportMode::Importance);
@@ -325,11 +343,11 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         };
         let (normal, eta) = facet;
         let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
-        let (_, columns) = over_facet(si, branch.w, columns, (normal, eta));
-        let (columns, narrow) = narrowed(&columns, MAX_SPREAD);
+        let (_, columns) = columns.over_facet(si, branch.w, (normal, eta), &self.motion(si));
+        let (columns, narrow) = columns.narrowed();
         self.counts.narrowed_columns += u64::from(narrow);
         let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, next.wi, mode).get());
-        let columns = blurred(&columns, si.ng, next.wi, cell);
+        let columns = Columns { cell: blurred(&columns.cell, si.ng, next.wi, cell), ..columns };
         let next = branch.next(si, next.wi, &columns, weight, share, q);
         self.pending.push(Branch { chain: branch.chain + 1, ..next });
     }
@@ -341,8 +359,8 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
         bounces: &Bounces,
         si: &Interaction,
         bsdf: &Bsdf,
-        branch: &Branch<N>,
-        columns: &Differential<N>,
+        branch: &Branch<N, T>,
+        columns: &Columns<N, T>,
         stream: &mut Stream,
     ) {
         let Some(next) = bounces.sample(si, bsdf, stream) else {
@@ -355,34 +373,10 @@ impl<'a, const N: usize> PhotonTracer<'a, N> {
             self.counts.roulette += 1;
             return;
         };
-        let columns = bounces.columns(columns, si, &next, branch.bounces + 1);
+        let cell = bounces.columns(&columns.cell, si, &next, branch.bounces + 1);
+        let columns = columns.scattered(cell, &self.motion(si));
         let next = branch.next(si, next.wi, &columns, next.weight, branch.share * weight, q);
         self.pending.push(Branch { bounces: branch.bounces + 1, ..next });
         self.counts.bounced += 1;
-    }
-}
-
-/// The direction and columns after a delta event.
-fn redirected<const N: usize>(
-    si: &Interaction,
-    w: Dir3,
-    columns: &Differential<N>,
-    delta: &DeltaBranch,
-) -> (Dir3, Differential<N>) {
-    over_facet(si, w, columns, (si.ns, delta.eta))
-}
-
-/// The same at a facet with its own normal, on the outward side, which turns as the surface does.
-fn over_facet<const N: usize>(
-    si: &Interaction,
-    w: Dir3,
-    columns: &Differential<N>,
-    (normal, eta): (Normal3, Option<f64>),
-) -> (Dir3, Differential<N>) {
-    match eta {
-        None => reflect(columns, w, normal, &si.shape),
-        Some(eta) => match refract(columns, w, normal, &si.shape, eta) {
-            Refraction::Transmitted(w, columns) | Refraction::TotalReflection(w, columns) => (w, columns),
-        },
     }
 }

@@ -78,7 +78,7 @@ fn bounced(world: &World) -> Population {
 /// Which part of a population's photons is of use.
 fn useful_part(world: &World, population: &Population) -> f64 {
     let units = EmissionUnit::all(&population.plans, world, &population.aim, 0, PHOTONS_PER_PILOT_UNIT);
-    let mut tracer = PhotonTracer::<0>::new(world, limits(world), UNIT_SPREAD).of(population);
+    let mut tracer = PhotonTracer::<0, 0>::new(world, limits(world), UNIT_SPREAD).of(population);
     let (mut emitted, mut useful) = (0, 0);
     for unit in units.iter().step_by(units.len().div_ceil(PILOT_UNITS).max(1)) {
         emitted += unit.emit(&world.lights, &population.aim, |emission, time, stream| {

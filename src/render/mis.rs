@@ -42,7 +42,7 @@ pub fn eyes_part(world: &World, aim: &Aim, plan: &EmissionPlan) -> f64 {
 fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
     let source = world.lights.get(plan.light);
     let points = EmissionPoints::new(world, plan.light, aim, plan.share, plan.points, 0);
-    let mut tracer = PhotonTracer::<4>::new(world, limits(world), spread(world, 0));
+    let mut tracer = PhotonTracer::<4, 0>::new(world, limits(world), spread(world, 0));
     let (mut log_ratio, mut photons) = (0.0, 0u32);
     let step = (plan.points / PILOTS).max(1);
     for i in (0..plan.points).step_by(step as usize) {

@@ -8,13 +8,17 @@ use super::progress::Progress;
 use super::unit::{run_units, scattered};
 use super::watch::{Stopped, Unattended, Watch};
 use super::{Job, RenderState};
-use crate::estimate::bandwidth;
+use crate::estimate::{bandwidth, kernel};
 use crate::photon::footprint::Spread;
 use crate::photon::{
     EmissionUnit, FirstEvent, Kinds, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Population,
+    TimeCells,
 };
-use crate::scene::settings::Estimator;
+use crate::scene::settings::{Estimator, TimeResolution};
 use crate::world::World;
+
+/// Time cells of the first pass, unless settings say how many: between the bend of sweeps and the noise of times.
+const TIME_CELLS: u32 = 4;
 
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
@@ -52,9 +56,9 @@ pub fn harvest(
     let mut harvest =
         plans.as_ref().map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
     let units = units(world, plans, pass);
-    let spread = spread(world, pass);
+    let (spread, cells) = (spread(world, pass), time_cells(world, pass));
     watch.phase("photons", units.len() as u64);
-    let trace = |i: usize| trace_unit(world, &units[i], spread);
+    let trace = |i: usize| trace_unit(world, &units[i], spread, cells);
     run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts }| {
         let light = units[i].emission.light;
         let none = PhotonCounts::default();
@@ -103,17 +107,20 @@ struct Traced {
     counts: PhotonCounts,
 }
 
-/// Only footprints need the photons' columns.
-fn trace_unit(world: &World, unit: &Unit, spread: Spread) -> Traced {
-    match world.scene.settings.estimator {
-        Estimator::Differentials => trace_with::<4>(world, unit, spread),
-        Estimator::Progressive | Estimator::NearestNeighbours => trace_with::<0>(world, unit, spread),
+/// Only footprints need the photons' columns, and that of time only where something moves.
+fn trace_unit(world: &World, unit: &Unit, spread: Spread, cells: TimeCells) -> Traced {
+    match (world.scene.settings.estimator, world.scene.shutter.is_instant()) {
+        (Estimator::Differentials, true) => trace_with::<4, 0>(world, unit, spread, cells),
+        (Estimator::Differentials, false) => trace_with::<4, 1>(world, unit, spread, cells),
+        (Estimator::Progressive | Estimator::NearestNeighbours, _) => trace_with::<0, 0>(world, unit, spread, cells),
     }
 }
 
-fn trace_with<const N: usize>(world: &World, unit: &Unit, spread: Spread) -> Traced {
-    let mut tracer =
-        PhotonTracer::<N>::new(world, limits(world), spread).of(unit.population).beside_eyes(unit.emission.eyes_part);
+fn trace_with<const N: usize, const T: usize>(world: &World, unit: &Unit, spread: Spread, cells: TimeCells) -> Traced {
+    let mut tracer = PhotonTracer::<N, T>::new(world, limits(world), spread)
+        .of(unit.population)
+        .beside_eyes(unit.emission.eyes_part)
+        .over(cells);
     let aim = &unit.population.aim;
     let emitted = unit.emission.emit(&world.lights, aim, |emission, time, stream| tracer.trace(emission, time, stream));
     tracer.counts.photons_emitted = emitted;
@@ -126,8 +133,8 @@ pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
     let plans = emission::plan(world);
     let units = units(world, &plans, pass);
     let step = units.len().div_ceil(some.max(1)).max(1);
-    let spread = spread(world, pass);
-    let stored = |unit: &Unit| trace_unit(world, unit, spread).counts.photons_stored;
+    let (spread, cells) = (spread(world, pass), time_cells(world, pass));
+    let stored = |unit: &Unit| trace_unit(world, unit, spread, cells).counts.photons_stored;
     let tried = units.len().div_ceil(step).max(1);
     let sum: u64 = units.iter().step_by(step).map(stored).sum();
     (sum as f64 * units.len() as f64 / tried as f64).ceil() as u64
@@ -139,6 +146,21 @@ pub fn shoot_all(world: &World, pass: u32, progress: &dyn Progress) -> PhotonMap
     let plans = Kinds { caustic: Population { bounces: None, ..emission::caustics(world) }, ..none };
     shoot(world, &plans, pass, &Unattended(progress), || ())
         .map_or_else(|Stopped| PhotonMap::empty(world.lights.len()), |maps| maps.caustic)
+}
+
+/// What of the shutter's interval the photons of pass `pass` stand for: parts that get shorter as footprints get narrower,
+/// so that their blur vanishes as well.
+pub fn time_cells(world: &World, pass: u32) -> TimeCells {
+    let (settings, shutter) = (&world.scene.settings, world.scene.shutter);
+    if shutter.is_instant() {
+        return TimeCells::one(shutter);
+    }
+    let first = match settings.time_cells {
+        TimeResolution::Auto => TIME_CELLS,
+        TimeResolution::Cells(count) => count,
+    };
+    let count = f64::from(first) / bandwidth::narrowing(settings.emission, pass);
+    TimeCells::new(shutter, count.floor() as u32, kernel::variance(settings.kernel))
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.

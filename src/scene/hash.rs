@@ -11,7 +11,9 @@ use super::description::{
     TransformStep,
 };
 use super::mesh::TriangleMesh;
-use super::settings::{BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings};
+use super::settings::{
+    BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeResolution,
+};
 use super::texture::{ImageTexture, Placement, Wrap};
 
 /// Changes when the serialisation below does.
@@ -161,6 +163,7 @@ impl Canonical {
             bandwidth,
             k,
             radius,
+            time_cells,
             max_depth,
             max_bounces,
             layers: _,
@@ -195,6 +198,10 @@ impl Canonical {
         if *bounce_footprint != BounceFootprint::Shared {
             self.tag("bounce");
             self.tag(bounce_footprint.name());
+        }
+        if let TimeResolution::Cells(count) = time_cells {
+            self.tag("time cells");
+            self.integer(u64::from(*count));
         }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");

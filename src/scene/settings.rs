@@ -165,6 +165,15 @@ pub enum Bandwidth {
     Scale(f64),
 }
 
+/// Into how many equal parts of the shutter's interval photons share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeResolution {
+    /// Four in the first pass.
+    Auto,
+    /// 1: all blur comes from the photons' time columns.
+    Cells(u32),
+}
+
 /// The disc of the first pass of `sppm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius {
@@ -197,6 +206,8 @@ pub struct RenderSettings {
     pub k: u32,
     /// The disc of the first pass of the `sppm` estimate.
     pub radius: Radius,
+    /// What of the shutter's interval a photon stands for, where something moves.
+    pub time_cells: TimeResolution,
     /// Edges of a path at most, counted from the light or the camera.
     pub max_depth: u32,
     /// Diffuse bounces between a light and the surface that the eye sees, 0: direct light and caustics only.
@@ -227,6 +238,7 @@ impl Default for RenderSettings {
             bandwidth: Bandwidth::Auto,
             k: 70,
             radius: Radius::Auto,
+            time_cells: TimeResolution::Auto,
             max_depth: 32,
             max_bounces: 4,
             layers: Vec::new(),

@@ -10,4 +10,5 @@ mod interreflection;
 mod light_emission;
 mod light_samples;
 mod lights;
+mod motion_blur;
 mod bsdf;

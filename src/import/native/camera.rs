@@ -11,7 +11,7 @@ use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraKeyDescription, CameraModelDescription};
 use crate::scene::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect,
-    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings,
+    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings, TimeResolution,
 };
 
 /// Pixels along one side at most.
@@ -161,6 +161,23 @@ impl Convert for AutoOr {
     }
 }
 
+/// "auto", which is `None`, or a count.
+#[derive(Clone, Copy)]
+struct AutoOrCount(Integer);
+
+impl Convert for AutoOrCount {
+    type Output = Option<u64>;
+    fn expects(&self) -> String {
+        format!("\"auto\" or {}", self.0.expects())
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Option<u64>, Mismatch> {
+        match value.get_ref() {
+            DeValue::String(s) if s == "auto" => Ok(None),
+            _ => self.0.convert(value).map(Some),
+        }
+    }
+}
+
 /// A list of layers, each once.
 #[derive(Clone, Copy)]
 struct Layers;
@@ -254,6 +271,9 @@ pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
         // The k-th neighbour only sets the radius, so at least one more is needed.
         k: section.or("k", count(2), default.k.into()) as u32,
         radius: section.or("radius", AutoOr(POSITIVE), None).map_or(Radius::Auto, Radius::Metres),
+        time_cells: section
+            .or("time_cells", AutoOrCount(count(1)), None)
+            .map_or(TimeResolution::Auto, |n| TimeResolution::Cells(n as u32)),
         max_depth: section.or("max_depth", depth(1), default.max_depth.into()) as u32,
         max_bounces: section.or("max_bounces", depth(0), default.max_bounces.into()) as u32,
         layers: section.or("layers", Layers, default.layers),

@@ -1,0 +1,154 @@
+//! Blurred caustics: no light is lost or gained, and many instants make the same picture.
+
+use std::path::Path;
+
+use pdembree::film::Image;
+use pdembree::import::{Override, load_text};
+use pdembree::render::{self, progress::Silent};
+use pdembree::world::World;
+
+/// A glass ball in a wide parallel beam goes 0.4 m over the floor, turns (which changes nothing) and sinks a little. The
+/// camera looks under it and sees all of its caustic.
+const BALL: &str = r#"
+format = 1
+[camera]
+type = "orthographic"
+position = [8, 4, 0]
+target = [0, 0, 0]
+width = 3
+resolution = [48, 48]
+shutter = [0, 1]
+[render]
+spp = 16
+photons = 50000
+max_bounces = 0
+layers = ["caustic"]
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+[materials.floor]
+type = "lambert"
+albedo = 0.5
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, 0]
+a = [4, 0, 0]
+b = [0, 0, -4]
+material = "floor"
+[[objects]]
+shape = "sphere"
+centre = [0, 1.2, -0.2]
+radius = 0.4
+material = "glass"
+motion = [
+  { time = 0, transform = [] },
+  { time = 1, transform = [{ translate = [0.1, -0.1, 0.4] }, { rotate = { axis = [0, 1, 0], degrees = 40 } }] },
+]
+[[lights]]
+type = "directional"
+direction = [0, -1, 0]
+irradiance = 1
+"#;
+
+/// A square beam falls through a wave of glass that goes 0.3 m across its crests, so that all of it always gets through. The
+/// camera looks under the wave at all of the caustic.
+const WAVE: &str = r#"
+format = 1
+[camera]
+type = "orthographic"
+position = [8, 0, 3]
+target = [0, 0, -1]
+up = [0, 0, 1]
+width = 2.4
+resolution = [64, 26]
+shutter = [0, 1]
+[render]
+spp = 16
+photons = 20000
+max_bounces = 0
+layers = ["caustic"]
+[materials.glass]
+type = "dielectric"
+ior = 1.5
+fresnel = false
+[materials.floor]
+type = "lambert"
+albedo = 0.5
+[[objects]]
+shape = "rectangle"
+centre = [0, 0, -1]
+a = [4, 0, 0]
+b = [0, 4, 0]
+material = "floor"
+[[objects]]
+shape = "height_field"
+centre = [0, 0, 0]
+half_size = [0.7, 0.7]
+waves = [{ amplitude = 0.03, wave_vector = [15, 4] }]
+material = "glass"
+motion = [{ time = 0, transform = [{ translate = [-0.15, 0, 0] }] }, { time = 1, transform = [{ translate = [0.15, 0, 0] }] }]
+[[lights]]
+type = "directional"
+direction = [0, 0, -1]
+irradiance = 1
+extent = { centre = [0, 0, 1], a = [0.4, 0, 0], b = [0, 0.4, 0] }
+"#;
+
+/// The sum of all pixels: ρ/π of the beam's 0.64 W over the floor that a pixel sees, 0.0375² m² over the sine of its view.
+const WAVE_ENERGY: f64 = 0.5 * std::f64::consts::FRAC_1_PI * 0.64 / (0.0375 * 0.0375 * 2.236_067_977_5);
+
+/// The red channel of the caustic, with settings over the scene's own.
+fn caustic(scene: &str, settings: &[(&str, &str)]) -> Vec<f64> {
+    let overrides: Vec<Override> = settings.iter().map(|(key, value)| Override::new(*key, *value)).collect();
+    let loaded = load_text(Path::new("blur.toml"), scene, &overrides).unwrap_or_else(|problems| panic!("{problems}"));
+    let world = World::new(loaded.scene).expect("a sound world");
+    let image: Image = render::render(&world, &Silent).expect("a frame").film.resolve();
+    image.rgb("caustic").expect("the layer")[0].iter().map(|&x| f64::from(x)).collect()
+}
+
+fn rmse(a: &[f64], b: &[f64]) -> f64 {
+    (a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+}
+
+/// Within half a per cent for every kernel, whether the photons' columns make all of the blur or none.
+#[test]
+fn a_blurred_caustic_has_the_energy_of_a_still_one() {
+    for kernel in ["uniform", "cone", "epanechnikov", "biweight", "triweight", "gaussian"] {
+        let energy = |shutter, cells| -> f64 {
+            caustic(WAVE, &[("camera.shutter", shutter), ("render.time_cells", cells), ("render.kernel", kernel)])
+                .iter()
+                .sum()
+        };
+        let still = energy("[0.5, 0.5]", "auto");
+        println!("{kernel}, still, of what the beam brings: {:.5}", still / WAVE_ENERGY);
+        assert!((still / WAVE_ENERGY - 1.0).abs() < 0.005, "{kernel}: {still}");
+        for cells in ["1", "4", "16"] {
+            let ratio = energy("[0, 1]", cells) / still;
+            println!("{kernel}, {cells} cells: {ratio:.5}");
+            assert!((ratio - 1.0).abs() < 0.005, "{kernel}, {cells} cells: {ratio}");
+        }
+    }
+}
+
+/// The mean of the pictures of many instants is what the photons' time columns make of one.
+#[test]
+fn time_columns_blur_as_many_instants_do() {
+    const INSTANTS: u32 = 24;
+    let mut mean = vec![0.0; 48 * 48];
+    for i in 0..INSTANTS {
+        let time = (f64::from(i) + 0.5) / f64::from(INSTANTS);
+        let at = caustic(BALL, &[("camera.shutter", &format!("[{time}, {time}]")), ("render.photons", "20000")]);
+        mean.iter_mut().zip(at).for_each(|(sum, x)| *sum += x / f64::from(INSTANTS));
+    }
+    let scale = rmse(&mean, &vec![0.0; mean.len()]);
+    let error = |settings: &[(&str, &str)]| rmse(&caustic(BALL, settings), &mean) / scale;
+    let blurred = |photons, cells| error(&[("render.photons", photons), ("render.time_cells", cells)]);
+    let still = error(&[("camera.shutter", "[0.5, 0.5]")]);
+    let [one, four, many] = ["1", "4", "16"].map(|cells| blurred("20000", cells));
+    let [few_four, few_many] = ["4", "16"].map(|cells| blurred("2000", cells));
+    println!("still {still:.4}; 20 000 photons: {one:.4} {four:.4} {many:.4}; 2 000: {few_four:.4} {few_many:.4}");
+    // The sweep is bent: one straight column for all of it does half of the work, four do it but for noise.
+    assert!(one < 0.6 * still && four < 0.3 * still, "{one} and {four} of {still}");
+    // Where photons are few, their columns tell more than their times.
+    assert!(few_four < 0.7 * few_many && few_four < still, "{few_four}, not {few_many}");
+}
