@@ -86,6 +86,10 @@ impl Transform {
     pub fn form(&self, a: glam::DMat3) -> glam::DMat3 {
         if self.only_moves { a } else { self.inverse.transpose() * a * self.inverse }
     }
+    /// M A M⁻¹ of a linear map A.
+    pub fn carried(&self, a: glam::DMat3) -> glam::DMat3 {
+        if self.only_moves { a } else { self.linear * a * self.inverse }
+    }
     /// M⁻ᵀ n, not normalised.
     pub fn normal_unnormalised(&self, n: Vec3) -> Vec3 {
         self.inverse.transpose() * n

@@ -231,6 +231,8 @@ pub struct WaveDescription {
     pub wave_vector: [f64; 2],
     /// Radians.
     pub phase: f64,
+    /// Along the wave vector, m/s.
+    pub speed: f64,
 }
 
 /// Where an object is at one time.

@@ -294,6 +294,10 @@ impl Canonical {
                 for wave in waves {
                     self.numbers(&wave.wave_vector);
                     self.numbers(&[wave.amplitude, wave.phase]);
+                    if wave.speed != 0.0 {
+                        self.tag("travels");
+                        self.numbers(&[wave.speed]);
+                    }
                 }
             }
             ShapeDescription::Mesh { mesh } => match mesh.and_then(|i| Some((i, description.meshes.get(i)?))) {

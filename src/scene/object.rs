@@ -52,6 +52,11 @@ pub struct Object {
 }
 
 impl Object {
+    /// Whether it is not the same all the time that the shutter is open.
+    pub fn moves(&self) -> bool {
+        self.motion.is_some() || matches!(&self.geometry, ObjectGeometry::Shape { shape, .. } if shape.changes())
+    }
+
     /// Where it is at `time`.
     pub fn to_world(&self, time: f64) -> Cow<'_, Transform> {
         match &self.motion {

@@ -5,12 +5,15 @@ use super::{LocalSurface, Parametrisation};
 use crate::differential::ShapeOperator;
 use crate::math::{Bounds3, Frame, Normal3, Point3, Ray, Vec2, Vec3};
 
-/// One term amplitude · sin(wave_vector·(x, y) + phase): metres, radians per metre, radians.
+/// One term amplitude · sin(wave_vector·(x, y) + phase + rate · time): metres, radians per metre, radians, radians per
+/// second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
     pub amplitude: f64,
     pub wave_vector: Vec2,
     pub phase: f64,
+    /// −|wave vector| times the speed along it; 0 for a wave that stands still.
+    pub rate: f64,
 }
 
 /// z = Σ waves over |x| ≤ hx, |y| ≤ hy; its normal is on the side of +z. Without waves it is flat.
@@ -54,7 +57,11 @@ impl HeightField {
         positive("half size in x", half_size.x)?;
         positive("half size in y", half_size.y)?;
         for wave in &waves {
-            if !(wave.amplitude.is_finite() && wave.wave_vector.is_finite() && wave.phase.is_finite()) {
+            if !(wave.amplitude.is_finite()
+                && wave.wave_vector.is_finite()
+                && wave.phase.is_finite()
+                && wave.rate.is_finite())
+            {
                 return Err(ShapeError::NotFinite { what: "list of waves" });
             }
         }
@@ -76,11 +83,37 @@ impl HeightField {
         &self.waves
     }
 
-    fn relief(&self, at: Vec2) -> Relief {
+    /// Whether it changes with time.
+    pub fn travels(&self) -> bool {
+        self.waves.iter().any(|wave| wave.rate != 0.0)
+    }
+    /// The field as it is at `time`, for ever.
+    pub fn frozen(&self, time: f64) -> HeightField {
+        let still = |wave: &Wave| Wave { phase: wave.phase + wave.rate * time, rate: 0.0, ..*wave };
+        HeightField { waves: self.waves.iter().map(still).collect(), ..self.clone() }
+    }
+
+    /// The velocity of the point over (x, y), straight up or down, and its gradient.
+    pub(super) fn velocity_at(&self, p: Point3, time: f64) -> Option<(Vec3, glam::DMat3)> {
+        if !self.travels() {
+            return None;
+        }
+        let at = self.frame.project(p - self.centre);
+        let (mut rising, mut slope) = (0.0, Vec2::ZERO);
+        for wave in &self.waves {
+            let (sin, cos) = (wave.wave_vector.dot(at) + wave.phase + wave.rate * time).sin_cos();
+            rising += wave.amplitude * wave.rate * cos;
+            slope -= wave.wave_vector * (wave.amplitude * wave.rate * sin);
+        }
+        let across = self.frame.t * slope.x + self.frame.b * slope.y;
+        Some((self.frame.n * rising, super::outer(self.frame.n, across)))
+    }
+
+    fn relief(&self, at: Vec2, time: f64) -> Relief {
         let mut relief = Relief { z: 0.0, gradient: Vec2::ZERO, zxx: 0.0, zxy: 0.0, zyy: 0.0 };
         for wave in &self.waves {
             let k = wave.wave_vector;
-            let (sin, cos) = (k.dot(at) + wave.phase).sin_cos();
+            let (sin, cos) = (k.dot(at) + (wave.phase + wave.rate * time)).sin_cos();
             let (sin, cos) = (wave.amplitude * sin, wave.amplitude * cos);
             relief.z += sin;
             relief.gradient += k * cos;
@@ -95,7 +128,7 @@ impl HeightField {
         let origin = self.frame.to_local(ray.origin - self.centre);
         let direction = self.frame.to_local(ray.direction);
         let (near, far) = self.clip(origin, direction, ray.t_min, ray.t_max)?;
-        let t = self.march(origin, direction, near, far, near == ray.t_min)?;
+        let t = self.march((origin, direction), ray.time, (near, far), near == ray.t_min)?;
         (t > ray.t_min && t < ray.t_max).then_some(t)
     }
 
@@ -124,12 +157,12 @@ impl HeightField {
     /// `[Kalra89]` with a bound of the second derivative).
     ///
     /// `from_start`: `near` is where the ray starts, so that a root there, within rounding, is the surface it left.
-    fn march(&self, o: Vec3, d: Vec3, near: f64, far: f64, from_start: bool) -> Option<f64> {
+    fn march(&self, (o, d): (Vec3, Vec3), time: f64, (near, far): (f64, f64), from_start: bool) -> Option<f64> {
         let across = d.truncate();
         let bend: f64 = self.waves.iter().map(|w| w.amplitude.abs() * w.wave_vector.dot(across).powi(2)).sum();
         let along = |t: f64| {
             let p = o + d * t;
-            let relief = self.relief(p.truncate());
+            let relief = self.relief(p.truncate(), time);
             (p.z - relief.z, d.z - relief.gradient.dot(across))
         };
         let mut t = near;
@@ -177,9 +210,9 @@ impl HeightField {
         Bounds3 { min: self.centre - half, max: self.centre + half }
     }
 
-    pub(super) fn surface_at(&self, p: Point3) -> LocalSurface {
+    pub(super) fn surface_at(&self, p: Point3, time: f64) -> LocalSurface {
         let at = self.frame.project(p - self.centre);
-        let relief = self.relief(at);
+        let relief = self.relief(at, time);
         let slope = relief.gradient;
         let length = (1.0 + slope.length_squared()).sqrt();
         let n = (-slope).extend(1.0) / length;
@@ -198,9 +231,9 @@ impl HeightField {
         }
     }
 
-    pub(super) fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+    pub(super) fn parametrisation_at(&self, p: Point3, time: f64) -> Parametrisation {
         let at = self.frame.project(p - self.centre);
-        let slope = self.relief(at).gradient;
+        let slope = self.relief(at, time).gradient;
         Parametrisation {
             uv: (at / self.half_size + Vec2::ONE) * 0.5,
             dpdu: self.frame.to_world(Vec3::new(1.0, 0.0, slope.x)) * (2.0 * self.half_size.x),

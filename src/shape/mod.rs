@@ -105,26 +105,37 @@ impl Shape {
             Shape::HeightField(s) => s.bounds(),
         }
     }
-    /// The surface at a hit point `p` (within rounding of the surface).
-    pub fn surface_at(&self, p: Point3) -> LocalSurface {
+    /// The surface at a point `p` that was hit at `time` (within rounding of the surface).
+    pub fn surface_at(&self, p: Point3, time: f64) -> LocalSurface {
         match self {
             Shape::Sphere(s) => s.surface_at(p),
             Shape::Cylinder(s) => s.surface_at(p),
             Shape::Torus(s) => s.surface_at(p),
             Shape::Disk(s) => s.surface_at(p),
             Shape::Rectangle(s) => s.surface_at(p),
-            Shape::HeightField(s) => s.surface_at(p),
+            Shape::HeightField(s) => s.surface_at(p, time),
         }
     }
-    /// The shape's parameters at a hit point `p`.
-    pub fn parametrisation_at(&self, p: Point3) -> Parametrisation {
+    /// How the surface moves in its own space about its point `p` at `time`: velocity and gradient. `None`: not at all.
+    pub fn velocity_at(&self, p: Point3, time: f64) -> Option<(Vec3, glam::DMat3)> {
+        match self {
+            Shape::HeightField(s) => s.velocity_at(p, time),
+            _ => None,
+        }
+    }
+    /// Whether it changes with time.
+    pub fn changes(&self) -> bool {
+        matches!(self, Shape::HeightField(field) if field.travels())
+    }
+    /// The shape's parameters at a point `p` that was hit at `time`.
+    pub fn parametrisation_at(&self, p: Point3, time: f64) -> Parametrisation {
         match self {
             Shape::Sphere(s) => s.parametrisation_at(p),
             Shape::Cylinder(s) => s.parametrisation_at(p),
             Shape::Torus(s) => s.parametrisation_at(p),
             Shape::Disk(s) => s.parametrisation_at(p),
             Shape::Rectangle(s) => s.parametrisation_at(p),
-            Shape::HeightField(s) => s.parametrisation_at(p),
+            Shape::HeightField(s) => s.parametrisation_at(p, time),
         }
     }
     /// Object-space area in m²; `None` for a shape that cannot be sampled by area (the height field).

@@ -83,13 +83,22 @@ impl Interaction {
 
     /// How the object moves here, per second.
     pub fn motion(&self, scene: &Scene) -> SurfaceMotion {
-        match &scene.objects[self.object.index()].motion {
+        let object = &scene.objects[self.object.index()];
+        let mut found = match &object.motion {
             None => SurfaceMotion::STILL,
             Some(motion) => {
                 let (velocity, gradient) = motion.velocity(self.time, self.p);
                 SurfaceMotion { velocity, gradient }
             }
+        };
+        let to_world = object.to_world(self.time);
+        if let ObjectGeometry::Shape { shape, .. } = &object.geometry
+            && let Some((velocity, gradient)) = shape.velocity_at(to_world.inverse_point(self.p), self.time)
+        {
+            found.velocity += to_world.vector(velocity);
+            found.gradient += to_world.carried(gradient);
         }
+        found
     }
 
     /// The ray that leaves towards `w`.
@@ -104,7 +113,7 @@ impl Interaction {
 }
 
 fn find_on_shape(shape: &Shape, to_world: &Transform, ray: &Ray, hit: &RawHit) -> Found {
-    let local = shape.surface_at(to_object(to_world, ray).at(hit.t));
+    let local = shape.surface_at(to_object(to_world, ray).at(hit.t), ray.time);
     let (ng, operator) = if to_world.only_moves() {
         (local.n, local.shape)
     } else {

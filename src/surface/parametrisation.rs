@@ -18,7 +18,7 @@ impl Interaction {
             ObjectGeometry::Mesh { mesh, .. } => {
                 triangle::parametrisation(&scene.meshes[mesh.index()], self.primitive, self.barycentric)
             }
-            ObjectGeometry::Shape { shape, .. } => shape.parametrisation_at(to_world.inverse_point(self.p)),
+            ObjectGeometry::Shape { shape, .. } => shape.parametrisation_at(to_world.inverse_point(self.p), self.time),
         };
         let (dpdu, dpdv) = spanning(to_world.vector(local.dpdu), to_world.vector(local.dpdv), self.ng);
         Parametrisation { uv: local.uv, dpdu, dpdv }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use pdembree::import::load_text;
 use pdembree::math::{Bounds3, Dir3, Motion, MotionError, Point3, Transform, Vec3};
-use pdembree::scene::{Scene, Shutter};
+use pdembree::scene::{ObjectGeometry, Scene, Shutter};
+use pdembree::shape::Shape;
 
 use crate::support::worlds::{Numbers, motion, placements};
 
@@ -157,6 +158,27 @@ fn an_instant_and_what_stands_still_meanwhile_are_no_motion() {
         assert!(at.distance(Point3::new(x, 0.0, 7.0)) < TOLERANCE, "{shutter}");
         assert!(scene.camera.position.distance(Point3::new(0.0, 1.0 + x, 5.0)) < TOLERANCE, "{shutter}");
     }
+}
+
+/// A wave travels along its wave vector while the shutter is open; an instant sees it where it is.
+#[test]
+fn waves_travel_and_are_frozen_by_an_instant() {
+    let text = MOVING.replace(
+        "shape = \"sphere\"",
+        "shape = \"height_field\"\nhalf_size = [1, 1]\n\
+         waves = [{ amplitude = 0.1, wave_vector = [3, 4], phase = 0.2, speed = 2 }]",
+    );
+    let text = text.replace("radius = 0.5\n", "");
+    let field = |scene: &Scene| match &scene.objects[0].geometry {
+        ObjectGeometry::Shape { shape: Shape::HeightField(field), .. } => field.waves()[0],
+        _ => panic!("a height field"),
+    };
+    let still_there = text.lines().filter(|line| !line.starts_with("motion")).collect::<Vec<_>>().join("\n");
+    let (moving, instant) = (scene(&still_there), scene(&still_there.replace("[0.5, 1.5]", "[0.5, 0.5]")));
+    assert!(!moving.shutter.is_instant() && instant.shutter.is_instant());
+    assert_eq!((field(&moving).rate, field(&moving).phase), (-10.0, 0.2));
+    assert_eq!((field(&instant).rate, field(&instant).phase), (0.0, -4.8));
+    assert_ne!(scene(&still_there.replace("speed = 2", "speed = 3")).hash, moving.hash);
 }
 
 #[test]

@@ -133,7 +133,7 @@ const WAVE_INDEX: f64 = 1.5433;
 
 /// The wave of [Schjoth07] as rebuilt in PHOTON_DIFFERENTIALS 5.2: z = 0.25 cos 2πx over a floor at −0.6327.
 fn wave() -> Bench {
-    let wave = Wave { amplitude: 0.25, wave_vector: Vec2::new(TAU, 0.0), phase: FRAC_PI_2 };
+    let wave = Wave { amplitude: 0.25, wave_vector: Vec2::new(TAU, 0.0), phase: FRAC_PI_2, rate: 0.0 };
     let field = HeightField::new(Point3::ORIGIN, Vec3::X, Vec3::Z, Vec2::new(1.0, 0.1), vec![wave]).expect("valid");
     Bench::new(vec![Shape::HeightField(field), floor(-0.6327)])
 }

@@ -12,7 +12,7 @@ const ALLOWED: f64 = 1e-6;
 
 /// The surface a little to both sides of `at` along the tangent `e`.
 fn either_side(known: &Known, at: &LocalSurface, e: Vec3) -> [LocalSurface; 2] {
-    [1.0, -1.0].map(|side| known.shape.surface_at(at.p + e * (side * STEP)))
+    [1.0, -1.0].map(|side| known.shape.surface_at(at.p + e * (side * STEP), 0.0))
 }
 
 #[test]
@@ -20,10 +20,10 @@ fn shape_operators_and_tangents_are_the_differences_of_the_surface() {
     for (index, known) in shapes::all().iter().enumerate() {
         let mut stream = random(400 + index as u64);
         for _ in 0..200 {
-            let at = known.shape.surface_at(known.point(&mut stream));
+            let at = known.shape.surface_at(known.point(&mut stream), 0.0);
             let name = known.name;
             assert!((known.implicit)(at.p).abs() < 1e-14, "{name}: surface_at leaves the surface");
-            let place = known.shape.parametrisation_at(at.p);
+            let place = known.shape.parametrisation_at(at.p, 0.0);
             assert!((0.0..=1.0).contains(&place.uv.x) && (0.0..=1.0).contains(&place.uv.y), "{name}: {place:?}");
             let outward = place.dpdu.cross(place.dpdv);
             assert!(outward.dot(at.n.to_vec()) > 0.0, "{name}: ∂p/∂u × ∂p/∂v points inward at {at:?}");
@@ -33,7 +33,7 @@ fn shape_operators_and_tangents_are_the_differences_of_the_surface() {
             let e = at.n.cross(random_direction(&mut stream)).normalize();
             let [a, b] = either_side(known, &at, e);
             let (dp, dn) = (a.p - b.p, a.n.to_vec() - b.n.to_vec());
-            let uv = |at: &LocalSurface| known.shape.parametrisation_at(at.p).uv;
+            let uv = |at: &LocalSurface| known.shape.parametrisation_at(at.p, 0.0).uv;
             let mut duv = uv(&a) - uv(&b);
             // Around the seam of a closed parameter.
             duv -= Vec2::new(duv.x.round(), duv.y.round());
@@ -52,9 +52,9 @@ fn shape_operators_and_tangents_are_the_differences_of_the_surface() {
 fn a_sphere_has_a_finite_surface_at_its_poles_and_centre() {
     let sphere = pdembree::shape::Shape::Sphere(Sphere::new(Point3::ORIGIN, 2.0).expect("valid"));
     for p in [Point3::new(0.0, 0.0, 2.0), Point3::new(0.0, 0.0, -2.0), Point3::ORIGIN] {
-        let at = sphere.surface_at(p);
+        let at = sphere.surface_at(p, 0.0);
         assert!(at.p.is_finite() && at.n.is_finite(), "{at:?}");
-        let place = sphere.parametrisation_at(p);
+        let place = sphere.parametrisation_at(p, 0.0);
         assert!(place.uv.is_finite() && place.dpdv.length() > 6.0, "{place:?}");
     }
 }
@@ -79,7 +79,7 @@ fn bounds_hold_the_shape_and_no_more() {
 fn parameters_that_make_no_shape_are_refused_with_a_reason() {
     let o = Point3::ORIGIN;
     let nan = Point3::new(f64::NAN, 0.0, 0.0);
-    let wave = Wave { amplitude: f64::INFINITY, wave_vector: Vec2::X, phase: 0.0 };
+    let wave = Wave { amplitude: f64::INFINITY, wave_vector: Vec2::X, phase: 0.0, rate: 0.0 };
     let refusals: [(Option<ShapeError>, &str); 14] = [
         (Sphere::new(o, 0.0).err(), "radius is 0"),
         (Sphere::new(o, -1.0).err(), "radius is -1"),

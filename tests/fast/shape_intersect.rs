@@ -79,7 +79,7 @@ fn a_ray_that_starts_just_off_the_surface_finds_the_next_hit_only() {
         let mut stream = random(100 + index as u64);
         for _ in 0..300 {
             let p = known.point(&mut stream);
-            let n = known.shape.surface_at(p).n;
+            let n = known.shape.surface_at(p, 0.0).n;
             for offset in [1e-6, 1e-9] {
                 let direction = random_direction(&mut stream);
                 let side = 1f64.copysign(n.dot(direction));
@@ -105,7 +105,7 @@ fn a_ray_that_starts_on_the_torus_or_the_waves_leaves_them() {
         for _ in 0..300 {
             let p = known.point(&mut stream);
             let direction = random_direction(&mut stream);
-            let cos = known.shape.surface_at(p).n.dot(direction).abs();
+            let cos = known.shape.surface_at(p, 0.0).n.dot(direction).abs();
             if cos > 0.01
                 && let Some(t) = known.shape.intersect(&ray(p, direction))
             {
@@ -169,7 +169,7 @@ fn grazing_rays_hit_the_torus_where_the_closed_form_says() {
 fn grazing_rays_hit_the_crest_of_a_wave_where_it_stands_over_them() {
     use pdembree::math::Vec2;
     use pdembree::shape::{HeightField, Wave};
-    let wave = Wave { amplitude: 0.25, wave_vector: Vec2::new(std::f64::consts::TAU, 0.0), phase: 0.0 };
+    let wave = Wave { amplitude: 0.25, wave_vector: Vec2::new(std::f64::consts::TAU, 0.0), phase: 0.0, rate: 0.0 };
     let half = Vec2::new(2.0, 1.0);
     let field = HeightField::new(Point3::ORIGIN, Vec3::X, Vec3::Z, half, vec![wave]).expect("valid");
     let field = Shape::HeightField(field);

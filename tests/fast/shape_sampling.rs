@@ -33,7 +33,7 @@ fn samples_lie_on_the_surface_and_their_inverse_gives_the_square_back() {
             let back = known.shape.inverse_area(sample.p).expect("samplable");
             let error = (back[0] - u[0]).abs().max((back[1] - u[1]).abs());
             assert!(error < 1e-12, "{}: {u:?} comes back as {back:?}", known.name);
-            let normal = known.shape.surface_at(sample.p).n;
+            let normal = known.shape.surface_at(sample.p, 0.0).n;
             assert!((normal.to_vec() - sample.n.to_vec()).length() < 1e-13, "{}", known.name);
         }
     }
@@ -98,7 +98,7 @@ fn the_area_is_the_integral_of_the_parametrisation() {
         let mean = (0..n * n)
             .map(|i| {
                 let u = [(f64::from(i % n) + 0.5) / f64::from(n), (f64::from(i / n) + 0.5) / f64::from(n)];
-                let at = known.shape.parametrisation_at(known.shape.sample_area(u).expect("samplable").p);
+                let at = known.shape.parametrisation_at(known.shape.sample_area(u).expect("samplable").p, 0.0);
                 // Drawn uniformly by area, the mean of 1/|∂p/∂u × ∂p/∂v| is 1/area.
                 1.0 / at.dpdu.cross(at.dpdv).length()
             })

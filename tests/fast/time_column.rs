@@ -117,23 +117,31 @@ fn a_mirror_that_moves_and_turns_is_the_known_vector() {
 #[test]
 fn a_travelling_wave_carries_its_folds_along() {
     const SPEED: f64 = 0.3;
-    let waves = vec![Wave {
-        amplitude: wave::AMPLITUDE,
-        wave_vector: Vec2::new(std::f64::consts::TAU, 0.0),
-        phase: std::f64::consts::FRAC_PI_2,
-    }];
-    let surface = HeightField::new(Point3::ORIGIN, Vec3::X, Vec3::Z, Vec2::new(2.0, 1.0), waves).expect("a surface");
-    let still = |shape| ObjectGeometry::Shape { shape, to_world: Transform::IDENTITY };
-    let mut scene = scene(vec![still(Shape::HeightField(surface)), still(floor(wave::RECEIVER))], vec![]);
+    let tau = std::f64::consts::TAU;
+    let of_rate = |rate: f64| {
+        let (wave_vector, phase) = (Vec2::new(tau, 0.0), std::f64::consts::FRAC_PI_2);
+        let waves = vec![Wave { amplitude: wave::AMPLITUDE, wave_vector, phase, rate }];
+        let field = HeightField::new(Point3::ORIGIN, Vec3::X, Vec3::Z, Vec2::new(2.0, 1.0), waves).expect("a surface");
+        let still = |shape| ObjectGeometry::Shape { shape, to_world: Transform::IDENTITY };
+        scene(vec![still(Shape::HeightField(field)), still(floor(wave::RECEIVER))], vec![])
+    };
+    // The field as a whole is carried along; its wave travels.
+    let mut carried = of_rate(0.0);
     let keys = [(-1.0, Transform::translate(Vec3::X * -SPEED)), (1.0, Transform::translate(Vec3::X * SPEED))];
-    scene.objects[0].motion = Some(Motion::new(&keys, &Transform::IDENTITY).expect("a motion").into());
-    for (x, known) in [(0.127_308, Some(1.000_007)), (0.05, Some(2.584_872)), (0.3, Some(-1.010_753)), (0.41, None)] {
-        let ray = Timed::new(Point3::new(x, 0.1, 2.0), -Dir3::Z, 0.0);
-        let end = ray.trace(&scene, &[(0, Act::Refract(1.0 / wave::INDEX)), (1, Act::Land)]).expect("lands");
-        let found = end.column.dx.get(0).x / SPEED;
-        assert!((end.p.x - wave::landing(x)).abs() < 1e-12, "{x}: {}", end.p.x);
-        assert!((found - (1.0 - wave::stretch(x))).abs() < 1e-10, "{x}: {found}");
-        assert!(known.is_none_or(|known| (found - known).abs() < 6e-6), "{x}: {found}");
+    carried.objects[0].motion = Some(Motion::new(&keys, &Transform::IDENTITY).expect("a motion").into());
+    for (how, scene) in [("carried", carried), ("travelling", of_rate(-tau * SPEED))] {
+        for (x, known) in [(0.127_308, Some(1.000_007)), (0.05, Some(2.584_872)), (0.3, Some(-1.010_753)), (0.41, None)]
+        {
+            for time in [0.0, 0.2] {
+                // The same place on the wave.
+                let ray = Timed::new(Point3::new(x + SPEED * time, 0.1, 2.0), -Dir3::Z, time);
+                let end = ray.trace(&scene, &[(0, Act::Refract(1.0 / wave::INDEX)), (1, Act::Land)]).expect("lands");
+                let found = end.column.dx.get(0).x / SPEED;
+                assert!((end.p.x - wave::landing(x) - SPEED * time).abs() < 1e-12, "{how}, {x}: {}", end.p.x);
+                assert!((found - (1.0 - wave::stretch(x))).abs() < 1e-10, "{how}, {x}: {found}");
+                assert!(known.is_none_or(|known| (found - known).abs() < 6e-6), "{how}, {x}: {found}");
+            }
+        }
     }
 }
 
@@ -198,6 +206,15 @@ fn stands() -> Vec<(String, Scene, Points)> {
         let name = known.name.to_owned();
         all.push((name, stand(geometry, vec![], i), Box::new(move |i| known.point(&mut random(1000 + i)))));
     }
+    let wave = |amplitude, x, y, rate| Wave { amplitude, wave_vector: Vec2::new(x, y), phase: 0.4, rate };
+    let waves = vec![wave(0.1, 5.0, 1.0, 2.0), wave(0.05, -3.0, 7.0, -4.0)];
+    let field = HeightField::new(Point3::ORIGIN, Vec3::X, Vec3::Y, Vec2::new(1.0, 0.7), waves).expect("a surface");
+    let geometry = ObjectGeometry::Shape { shape: Shape::HeightField(field), to_world: placements(5, 1)[0] };
+    let points = |i: u64| {
+        let [u, v] = random(4000 + i).uniform2();
+        Point3::new(u - 0.5, 0.0, 0.5 - v)
+    };
+    all.push(("travelling waves".to_owned(), stand(geometry, vec![], 9), Box::new(points)));
     let geometry = ObjectGeometry::Mesh { mesh: MeshId(0), to_world: placements(3, 1)[0] };
     let points = |i: u64| {
         let [u, v] = random(2000 + i).uniform2().map(|x| 0.5 * x);

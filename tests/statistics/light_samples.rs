@@ -29,7 +29,7 @@ fn shape_crossings(shape: Shape, to_world: Transform) -> Crossings {
         };
         let mut found = Vec::new();
         while let Some(t) = shape.intersect(&ray) {
-            let local = shape.surface_at(ray.at(t));
+            let local = shape.surface_at(ray.at(t), 0.0);
             found.push((to_world.point(local.p), to_world.normal(local.n)));
             ray.t_min = t * (1.0 + 1e-9);
         }

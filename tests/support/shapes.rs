@@ -113,7 +113,7 @@ fn height_field() -> Known {
     let y = z.cross(x);
     let terms =
         [(0.12, Vec2::new(7.0, 2.0), 0.3), (0.05, Vec2::new(-3.0, 11.0), 1.7), (-0.02, Vec2::new(20.0, 9.0), 0.0)];
-    let waves = terms.map(|(amplitude, wave_vector, phase)| Wave { amplitude, wave_vector, phase }).to_vec();
+    let waves = terms.map(|(amplitude, wave_vector, phase)| Wave { amplitude, wave_vector, phase, rate: 0.0 }).to_vec();
     let local = move |q: Point3| Vec3::new((q - c).dot(x), (q - c).dot(y), (q - c).dot(z));
     Known {
         name: "height_field",
@@ -142,7 +142,7 @@ impl Known {
             let ray =
                 pdembree::math::Ray { origin: from, direction: to - from, t_min: 0.0, t_max: f64::INFINITY, time: 0.0 };
             if let Some(t) = self.shape.intersect(&ray) {
-                return self.shape.surface_at(ray.at(t)).p;
+                return self.shape.surface_at(ray.at(t), 0.0).p;
             }
         }
         panic!("{}: no ray of 10 000 hits it", self.name);

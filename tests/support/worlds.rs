@@ -47,7 +47,7 @@ pub fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> TriangleMesh 
 pub fn shapes() -> Vec<(&'static str, Shape)> {
     let at = Point3::new(0.1, -0.2, 0.3);
     let up = Vec3::new(0.2, 1.0, -0.3);
-    let wave = |amplitude, x, y, phase| Wave { amplitude, wave_vector: Vec2::new(x, y), phase };
+    let wave = |amplitude, x, y, phase| Wave { amplitude, wave_vector: Vec2::new(x, y), phase, rate: 3.0 * amplitude };
     let waves = vec![wave(0.1, 5.0, 1.0, 0.3), wave(0.05, -3.0, 7.0, 1.0)];
     vec![
         ("sphere", Shape::Sphere(Sphere::new(at, 0.9).expect("sound"))),

@@ -137,6 +137,7 @@ fn read_wave(section: Section<'_>) -> WaveDescription {
         amplitude: section.required("amplitude", ANY, 1.0),
         wave_vector: section.required("wave_vector", Array(ANY), [1.0, 0.0]),
         phase: section.or("phase", ANY, 0.0),
+        speed: section.or("speed", ANY, 0.0),
     };
     section.finish();
     wave

@@ -47,7 +47,7 @@ impl ShapeSurface {
 
     pub fn sample(&self, u: [f64; 2]) -> Option<SurfacePoint> {
         let local = self.shape.sample_area(u)?;
-        let turning = self.shape.surface_at(local.p).shape;
+        let turning = self.shape.surface_at(local.p, 0.0).shape;
         let scaled = self.to_world.normal_unnormalised(local.n.to_vec());
         let length = scaled.length();
         let n = Normal3::new(scaled)?;

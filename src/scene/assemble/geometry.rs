@@ -72,10 +72,20 @@ fn place(object: &ObjectDescription, shutter: Shutter, sound: &[bool], report: &
                     return None;
                 }
             };
-            ObjectGeometry::Shape { shape, to_world: to_world? }
+            ObjectGeometry::Shape { shape: at_shutter(shape, shutter), to_world: to_world? }
         }
     };
     Some(Placed { geometry, motion })
+}
+
+/// The shape as an instant sees it.
+fn at_shutter(shape: Shape, shutter: Shutter) -> Shape {
+    match shape {
+        Shape::HeightField(field) if shutter.is_instant() && field.travels() => {
+            Shape::HeightField(field.frozen(shutter.open))
+        }
+        shape => shape,
+    }
 }
 
 /// The exact shape; `Ok(None)` for a mesh.
@@ -99,6 +109,7 @@ fn shape(described: &ShapeDescription) -> Result<Option<Shape>, ShapeError> {
                 amplitude: w.amplitude,
                 wave_vector: Vec2::from(w.wave_vector),
                 phase: w.phase,
+                rate: -w.speed * Vec2::from(w.wave_vector).length(),
             };
             let (x_axis, up) = (Vec3::from(*x_axis), Vec3::from(*up));
             let waves = waves.iter().map(wave).collect();

@@ -73,7 +73,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let Report { problems, warnings } = report;
     // Without a camera there is a problem, so the default is never seen.
     let Some(camera) = camera else { return Err(problems) };
-    let moves = !camera.motion.is_empty() || objects.iter().any(|object| object.motion.is_some());
+    let moves = !camera.motion.is_empty() || objects.iter().any(Object::moves);
     let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
     problems.into_result((Scene { bounds, shutter, ..scene }, warnings))

@@ -42,6 +42,7 @@ pub fn only<'s, T>(
     kind: &str,
     of: impl Fn(&'s Shape) -> Option<&'s T>,
 ) -> Result<(&'s T, &'s Material), NotThisForm> {
+    require(scene.shutter.is_instant(), || "something moves while the shutter is open".to_owned())?;
     require(scene.objects.len() == 2, || format!("there are {} objects instead of {both}", scene.objects.len()))?;
     let in_place = |object: &'s Object| match &object.geometry {
         ObjectGeometry::Shape { shape, to_world } if *to_world == Transform::IDENTITY => {
