@@ -81,7 +81,8 @@ impl Motion {
         Ok(Motion { keys })
     }
 
-    /// The body's place at `time`.
+    /// The body's place at `time`. Never inlined: what stands still must not pay for the room of it.
+    #[inline(never)]
     pub fn at(&self, time: f64) -> Transform {
         let (from, to, s) = self.between(time);
         let rotation = turn(from.axis, s * from.angle) * from.rotation;

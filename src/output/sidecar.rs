@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic;
 use super::error::WriteError;
 use crate::film::{Cause, Refused};
-use crate::scene::settings::{Bandwidth, Radius, RenderSettings};
+use crate::scene::settings::{Bandwidth, Radius, RenderSettings, TimeResolution};
 
 /// Number of the certificate's layout; it grows when a reader of the old one would be misled.
 pub const SCHEMA: u32 = 1;
@@ -150,7 +150,11 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         Radius::Metres(radius) => radius.into(),
     };
     let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
-    let all: [(&str, serde_json::Value); 20] = [
+    let time_cells = match settings.time_cells {
+        TimeResolution::Auto => "auto".into(),
+        TimeResolution::Cells(count) => count.into(),
+    };
+    let all: [(&str, serde_json::Value); 21] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -168,6 +172,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("bandwidth", bandwidth),
         ("k", settings.k.into()),
         ("radius", radius),
+        ("time_cells", time_cells),
         ("max_depth", settings.max_depth.into()),
         ("max_bounces", settings.max_bounces.into()),
         ("layers", layers.into()),

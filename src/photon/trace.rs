@@ -22,7 +22,6 @@ use crate::light::Emission;
 use crate::math::{Dir3, Point3, Ray};
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
-use crate::scene::Scene;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Interaction, TransportMode};
 use crate::world::World;
@@ -101,29 +100,6 @@ impl<const N: usize, const T: usize> Branch<N, T> {
     }
 }
 
-/// What is stored of a photon.
-struct Landing<const N: usize, const T: usize> {
-    si: Interaction,
-    /// Towards where it came from.
-    wi: Dir3,
-    columns: Columns<N, T>,
-    flux: Flux,
-}
-
-impl<const N: usize, const T: usize> Landing<N, T> {
-    /// On an object that moves, carried along with it to where light of all times meets; the flux stands for the same
-    /// irradiance if the object is stretched on the way.
-    fn at_rest(self, scene: &Scene) -> Landing<N, T> {
-        let Some(to_rest) = self.si.to_rest(scene) else { return self };
-        Landing {
-            si: to_rest.interaction(&self.si),
-            wi: to_rest.direction(self.wi),
-            columns: Columns { cell: to_rest.columns(&self.columns.cell), time: to_rest.columns(&self.columns.time) },
-            flux: self.flux * to_rest.area(self.si.ng),
-        }
-    }
-}
-
 impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
     /// For caustics, which end where they are stored.
     pub fn new(world: &'a World, limits: PathLimits, spread: Spread) -> Self {
@@ -194,11 +170,12 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             return;
         };
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
-        let mut flown = branch.columns;
-        if let Some(bounces) = self.bounces.filter(|_| straight_from_bounce) {
-            flown.cell = bounces.landing(&flown.cell, &si);
-        }
-        let columns = flown.transferred(branch.w, &si, &self.motion(&si));
+        let motion = self.motion(&si);
+        let columns = match self.bounces.filter(|_| straight_from_bounce) {
+            Some(bounces) => Columns { cell: bounces.landing(&branch.columns.cell, &si), ..branch.columns }
+                .transferred(branch.w, &si, &motion),
+            None => branch.columns.transferred(branch.w, &si, &motion),
+        };
         if !columns.is_finite() {
             self.counts.broken_columns += 1;
             return;
@@ -264,8 +241,25 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             return;
         }
         let flux = if branch.bounces == 0 { branch.flux * self.part } else { branch.flux };
-        let landing = Landing { si: *si, wi: -branch.w, columns: *columns, flux }.at_rest(&self.world.scene);
-        let Landing { si, wi, columns, flux } = landing;
+        if si.is_carried(&self.world.scene) {
+            // Along with the object to where light of all times meets; the flux stands for the same irradiance if the
+            // object is stretched on the way.
+            let to_rest = si.to_rest(&self.world.scene);
+            let columns = Columns { cell: to_rest.columns(&columns.cell), time: to_rest.columns(&columns.time) };
+            let (wi, flux) = (to_rest.direction(-branch.w), flux * to_rest.area(si.ng));
+            return self.store_at(&to_rest.interaction(si), wi, (flux, branch.bounces), &columns, kind);
+        }
+        self.store_at(si, -branch.w, (flux, branch.bounces), columns, kind);
+    }
+
+    fn store_at(
+        &mut self,
+        si: &Interaction,
+        wi: Dir3,
+        (flux, bounces): (Flux, u32),
+        columns: &Columns<N, T>,
+        kind: Kind,
+    ) {
         let (mut p, frame) = (si.p, Photon::frame_of(si.ng));
         let mut form = self.spread.footprint(&columns.cell, &frame);
         for sweep in columns.time.dx.to_array() {
@@ -276,11 +270,11 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         if has_columns {
             form = form.on_curved(&frame, &si.shape);
         }
-        let is_scattered = branch.bounces > 0 && has_columns;
+        let is_scattered = bounces > 0 && has_columns;
         if is_scattered {
             form = form.at_most(self.widest);
         }
-        let photon = Photon::new(p, wi, si.ng, flux, form, branch.bounces);
+        let photon = Photon::new(p, wi, si.ng, flux, form, bounces);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;

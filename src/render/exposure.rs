@@ -120,14 +120,24 @@ impl Exposure<'_> {
         u64::from(y) * u64::from(self.tracer.world.scene.camera.resolution[0]) + u64::from(x)
     }
 
+    /// When sample `s` of a pixel is taken.
+    fn time(&self, x: u32, y: u32, s: u32) -> f64 {
+        let (settings, shutter) = (self.settings, self.tracer.world.scene.shutter);
+        if shutter.is_instant() {
+            return shutter.open;
+        }
+        shutter.time(PixelSamples::time(settings.seed, self.pass, self.number(x, y), settings.spp, s))
+    }
+
     fn eye_sample(&self, x: u32, y: u32, s: u32, samples: &PixelSamples, queries: &mut Vec<Query>) -> EyeSample {
         let world = self.tracer.world;
         let settings = self.settings;
         let start = samples.get(s);
         let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let offset = filter_offset(world.scene.camera.filter, start.raster);
-        let time = world.scene.shutter.time(start.time);
-        let camera = self.camera.at(time);
+        let time = self.time(x, y, s);
+        let moved = self.camera.moved(time);
+        let camera = moved.as_ref().unwrap_or(self.camera);
         let mut ray = camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
         ray.ray.time = time;
         let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);

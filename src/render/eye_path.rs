@@ -300,13 +300,24 @@ impl EyePathTracer<'_> {
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {
-        let (si, bsdf, columns) = match si.to_rest(&self.world.scene) {
-            None => (*si, bsdf, walk.differential),
-            Some(to_rest) => {
-                let (si, columns) = (to_rest.interaction(si), to_rest.columns(&walk.differential));
-                (si, self.world.bsdf(&si, &columns), columns)
-            }
-        };
+        if si.is_carried(&self.world.scene) {
+            let to_rest = si.to_rest(&self.world.scene);
+            let (si, columns) = (to_rest.interaction(si), to_rest.columns(&walk.differential));
+            let bsdf = self.world.bsdf(&si, &columns);
+            return self.query_at(walk, &si, bsdf, &columns, first, stream);
+        }
+        self.query_at(walk, si, bsdf, &walk.differential, first, stream)
+    }
+
+    fn query_at(
+        &self,
+        walk: &Walk,
+        si: &Interaction,
+        bsdf: Bsdf,
+        columns: &Differential<2>,
+        first: bool,
+        stream: &mut Stream,
+    ) -> Query {
         let eye: [Vec3; 2] = columns.dx.to_array().map(|dx| dx * self.sample_radius);
         let bounces_left = self.max_bounces.saturating_sub(walk.bounces);
         let asks = match walk.bounces {

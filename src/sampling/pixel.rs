@@ -14,11 +14,8 @@ const PAIRS: usize = 5;
 pub struct PixelSamples {
     samples: u64,
     shifts: [[f64; 2]; PAIRS],
-    time_shift: f64,
     /// Each pair's order, by what a sample's number is multiplied with.
     units: [u64; PAIRS],
-    /// That of the times.
-    time_unit: u64,
 }
 
 /// Numbers of one sample.
@@ -34,8 +31,6 @@ pub struct PixelSample {
     pub bounce: [f64; 2],
     /// Which light and which lobe there.
     pub choices: [f64; 2],
-    /// When, as a share of the shutter's interval.
-    pub time: f64,
 }
 
 impl PixelSamples {
@@ -44,9 +39,19 @@ impl PixelSamples {
         let mut stream = PixelSamples::stream_of(seed, pass, pixel, 0);
         let samples = samples.into();
         let units = std::array::from_fn(|k| qmc::unit(samples, k as u64));
-        let shifts = std::array::from_fn(|_| stream.uniform2());
-        let (time_shift, time_unit) = (stream.uniform(), qmc::unit(samples, PAIRS as u64));
-        PixelSamples { samples, shifts, time_shift, units, time_unit }
+        PixelSamples { samples, shifts: std::array::from_fn(|_| stream.uniform2()), units }
+    }
+
+    /// When sample `i` of `samples` is taken, as a share of the shutter's interval: each in a part of its own. Only pictures
+    /// of what moves ask.
+    pub fn time(seed: u64, pass: u32, pixel: u64, samples: u32, i: u32) -> f64 {
+        // Behind the numbers of the pairs.
+        let mut stream = PixelSamples::stream_of(seed, pass, pixel, 0);
+        for _ in 0..PAIRS {
+            stream.uniform2();
+        }
+        let place = qmc::reordered(i.into(), samples.into(), PAIRS as u64);
+        (place as f64 + stream.uniform()) / f64::from(samples)
     }
 
     /// The random numbers of sample `i`'s own path, for all that comes after.
@@ -64,9 +69,7 @@ impl PixelSamples {
             let place = u64::from(i) * self.units[k] % self.samples;
             qmc::shifted(qmc::golden_lattice(place, self.samples), self.shifts[k])
         });
-        let place = u64::from(i) * self.time_unit % self.samples;
-        let time = (place as f64 + self.time_shift) / self.samples as f64;
-        PixelSample { raster, lens, light, bounce, choices, time }
+        PixelSample { raster, lens, light, bounce, choices }
     }
 }
 

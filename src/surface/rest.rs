@@ -18,12 +18,15 @@ pub struct ToRest {
 }
 
 impl Interaction {
-    /// What carries this point along with its object; `None` on what stands still.
-    pub fn to_rest(&self, scene: &Scene) -> Option<ToRest> {
+    /// Whether its object is elsewhere at other times.
+    pub fn is_carried(&self, scene: &Scene) -> bool {
+        scene.objects[self.object.index()].motion.is_some()
+    }
+    /// What carries this point along with its object.
+    pub fn to_rest(&self, scene: &Scene) -> ToRest {
         let object = &scene.objects[self.object.index()];
-        let motion = object.motion.as_ref()?;
-        let map = object.geometry.to_world().compose(&motion.at(self.time).inverse());
-        Some(ToRest { map, middle: scene.shutter.middle() })
+        let map = object.geometry.to_world().compose(&object.to_world(self.time).inverse());
+        ToRest { map, middle: scene.shutter.middle() }
     }
 }
 
