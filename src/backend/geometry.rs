@@ -53,11 +53,15 @@ impl PlacedShape {
     /// Some shapes clip their search to the interval, and the last bits of t follow the clip; so the end is applied
     /// afterwards, and every backend gets the same bits in whatever order it shortens its ray.
     pub fn intersect(&self, ray: &Ray) -> Option<f64> {
-        let own = match &self.motion {
-            None => to_object(&self.to_world, ray),
-            Some(motion) => to_object(&motion.at(ray.time), ray),
+        let moved;
+        let to_world = match &self.motion {
+            None => &self.to_world,
+            Some(motion) => {
+                moved = motion.at(ray.time);
+                &moved
+            }
         };
-        let unended = Ray { t_max: f64::INFINITY, ..own };
+        let unended = Ray { t_max: f64::INFINITY, ..to_object(to_world, ray) };
         self.shape.intersect(&unended).filter(|&t| t > ray.t_min && t < ray.t_max)
     }
 }

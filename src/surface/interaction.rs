@@ -6,7 +6,7 @@ use crate::backend::RawHit;
 use crate::differential::{ShapeOperator, SurfaceMotion};
 use crate::math::float::{offset_ray_origin, origin_offset};
 use crate::math::{Dir3, Normal3, Point3, Ray, Transform, Vec3};
-use crate::scene::{MaterialId, Object, ObjectGeometry, ObjectId, Scene};
+use crate::scene::{MaterialId, ObjectGeometry, ObjectId, Scene};
 use crate::shape::Shape;
 
 /// A surface point, oriented as the object is (normals are not turned towards the ray).
@@ -59,9 +59,17 @@ impl Interaction {
     /// the hit: t, p and the normals are computed again in `f64`. Shapes were hit in `f64`, so their t is.
     pub fn from_hit(scene: &Scene, ray: &Ray, hit: &RawHit) -> Interaction {
         let object = &scene.objects[hit.object.index()];
-        let found = match &object.motion {
-            None => find(scene, object, object.geometry.to_world(), ray, hit),
-            Some(motion) => find(scene, object, &motion.at(ray.time), ray, hit),
+        let moved;
+        let to_world = match &object.motion {
+            None => object.geometry.to_world(),
+            Some(motion) => {
+                moved = motion.at(ray.time);
+                &moved
+            }
+        };
+        let found = match &object.geometry {
+            ObjectGeometry::Mesh { mesh, .. } => triangle::find(&scene.meshes[mesh.index()], to_world, ray, hit),
+            ObjectGeometry::Shape { shape, .. } => find_on_shape(shape, to_world, ray, hit),
         };
         Interaction {
             p: found.p,
@@ -108,13 +116,6 @@ impl Interaction {
     /// Where a ray towards `w` starts.
     pub fn ray_origin(&self, w: Dir3) -> Point3 {
         offset_ray_origin(self.p, self.error, self.ng, w)
-    }
-}
-
-fn find(scene: &Scene, object: &Object, to_world: &Transform, ray: &Ray, hit: &RawHit) -> Found {
-    match &object.geometry {
-        ObjectGeometry::Mesh { mesh, .. } => triangle::find(&scene.meshes[mesh.index()], to_world, ray, hit),
-        ObjectGeometry::Shape { shape, .. } => find_on_shape(shape, to_world, ray, hit),
     }
 }
 
