@@ -530,6 +530,26 @@ fn all_three_agree_on_the_caustic_of_rough_glass() {
     }
 }
 
+/// Principled glass focuses as glass does, thin glass lets light straight through, and a floor under a coat receives what a
+/// matte one does, the coat being one class with it or a mirror beside it.
+#[test]
+fn photons_and_eye_paths_agree_on_principled_surfaces() {
+    let glass = "type = \"principled\"\nbase_colour = [0.9, 0.7, 0.5]\ntransmission = 1";
+    for finish in ["roughness = 0", "roughness = 0.4", "roughness = 0.4\nthin = true"] {
+        let ball = BALL.replace("type = \"dielectric\"", &format!("{glass}\n{finish}"));
+        assert!(assert_agree(&ball, &PHOTON_MAP, &PATHS, "caustic") > 0.01);
+    }
+    for roughness in ["0.5", "0"] {
+        let floor = format!("type = \"principled\"\nbase_colour = [0.7, 0.5, 0.3]\nroughness = {roughness}");
+        let ball = BALL.replace("type = \"lambert\"\nalbedo = [0.7, 0.5, 0.3]", &floor);
+        assert_ne!(ball, BALL);
+        let pictures = [&PHOTON_MAP, &PATHS].map(|settings| pictures(&ball, settings));
+        for layer in PARTS {
+            assert_blocks_agree(&pictures, layer, BLOCK);
+        }
+    }
+}
+
 /// The same light belongs to the same layer with every method, seen past a glossy ball too.
 #[test]
 fn all_three_share_a_room_with_a_glossy_ball_out() {
