@@ -2,10 +2,10 @@
 //! translation and a stretch that change linearly. World frame, metres, seconds.
 //!
 //! A key's map is taken apart into x ↦ T + R P x: a translation, a rotation, and the symmetric stretch of the polar
-//! decomposition [Higham86], which is the scale itself where scales come first. Between the keys at t₀ and t₁, with
+//! decomposition `[Higham86]`, which is the scale itself where scales come first. Between the keys at t₀ and t₁, with
 //! s = (t − t₀)/(t₁ − t₀),
 //!
-//!   T(s) = T₀ + s (T₁ − T₀),   R(s) = exp(s θ [a]×) R₀,   P(s) = P₀ + s (P₁ − P₀),
+//!   T(s) = T₀ + s (T₁ − T₀),   R(s) = exp(s θ \[a\]×) R₀,   P(s) = P₀ + s (P₁ − P₀),
 //!
 //! where θ ≤ π about a is the turn R₁ R₀ᵀ. Symmetric positive definite maps form a convex cone, so that P(s) never becomes
 //! singular. Before the first key and after the last one the body stands still.
@@ -95,7 +95,7 @@ impl Motion {
     /// How the body moves at `time` about the world point `p` of it: the velocity there, and its gradient, with which the
     /// velocity at x is v + L (x − p).
     ///
-    /// From x = T + R (S c + o), with the turn ω = θ' a and a dot for d/dt, L = [ω]× + R Ṡ S⁻¹ Rᵀ and
+    /// From x = T + R (S c + o), with the turn ω = θ' a and a dot for d/dt, L = \[ω\]× + R Ṡ S⁻¹ Rᵀ and
     /// v = Ṫ + ω × (x − T) + R (Ṡ c + ȯ).
     pub fn velocity(&self, time: f64, p: Point3) -> (Vec3, glam::DMat3) {
         if time < self.keys[0].time || time > self.keys[self.keys.len() - 1].time {
@@ -129,7 +129,7 @@ impl Motion {
     ///
     /// At one time the body lies in the hull of the box's corners where they are then; so what is around the eight corners'
     /// paths is around the body. Between two keys a corner c goes along q(s) = T(s) + R(s) y(s), y(s) = P(s) c + o(s) linear,
-    /// and since R' = θ [a]× R,
+    /// and since R' = θ \[a\]× R,
     ///
     ///   |q''| = |θ² a×(a×Ry) + 2 θ a×(R y')| ≤ θ² max(|y(0)|, |y(1)|) + 2 θ |y'|.
     ///
@@ -191,7 +191,7 @@ impl Key {
 }
 
 /// M = R P with a rotation R and a symmetric P, definite with the sign of det M, by Newton's iteration
-/// R ← ½ (R + R⁻ᵀ) [Higham86], which converges quadratically for every regular M.
+/// R ← ½ (R + R⁻ᵀ) `[Higham86]`, which converges quadratically for every regular M.
 fn polar(m: glam::DMat3) -> (glam::DMat3, glam::DMat3) {
     const STEPS: usize = 64;
     let sign = m.determinant().signum();
