@@ -5,6 +5,8 @@
 
 mod filter;
 
+use std::borrow::Cow;
+
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Frame, Normal3, Point2, Point3, Ray, Vec2, Vec3};
 use crate::scene::{CameraModel, CameraSettings};
@@ -66,9 +68,10 @@ impl Camera {
         Some(Camera { position, right, down, forward, model, pixel: across / width, half, moving })
     }
 
-    /// The camera as it is at `time`, if it moves; assembly refuses places that it cannot have.
-    pub fn moved(&self, time: f64) -> Option<Camera> {
-        self.moving.as_ref().and_then(|settings| Camera::new(&settings.at(time)))
+    /// The camera as it is at `time`; assembly refuses places that it cannot have.
+    pub fn at(&self, time: f64) -> Cow<'_, Camera> {
+        let moved = self.moving.as_ref().and_then(|settings| Camera::new(&settings.at(time)));
+        moved.map_or(Cow::Borrowed(self), Cow::Owned)
     }
 
     /// The ray through `raster` from the point `lens` of the unit disc on the lens (ignored by pinholes).

@@ -37,10 +37,6 @@ impl<'a> NearestPhotons<'a> {
         NearestPhotons { map, tree }
     }
 
-    pub fn map(&self) -> &PhotonMap {
-        self.map
-    }
-
     /// The estimates at `points` with `k` ≥ 2 neighbours.
     pub fn gather(&self, k: usize, kernel: KernelShape, points: &[GatherPoint]) -> Vec<Gathered> {
         let Some(tree) = &self.tree else { return vec![Gathered::default(); points.len()] };

@@ -4,7 +4,6 @@ use super::bandwidth::neighbours;
 use super::gather::{GatherPoint, Gathered, gather};
 use super::nearest::NearestPhotons;
 use crate::photon::PhotonMap;
-use crate::radiometry::Flux;
 use crate::scene::RenderSettings;
 use crate::scene::settings::Estimator;
 
@@ -23,14 +22,6 @@ impl<'a> Estimate<'a> {
                 let k = neighbours(settings.k, settings.emission, pass);
                 Estimate::Nearest(NearestPhotons::new(map), k, settings)
             }
-        }
-    }
-
-    /// What all photons carry.
-    pub fn flux(&self) -> Flux {
-        match self {
-            Estimate::Footprints(map, _) => map.flux(),
-            Estimate::Nearest(photons, ..) => photons.map().flux(),
         }
     }
 

@@ -35,7 +35,8 @@ pub struct Loaded {
     pub warnings: Vec<Problem>,
 }
 
-/// Reads the scene file `path`, TOML or glTF by its name, with `overrides` laid over it, the files that it names, and assembles the scene.
+/// Reads the scene file `path`, TOML or glTF by its name, with `overrides` laid over it, the files that it names, and
+/// assembles the scene.
 ///
 /// # Errors
 /// Everything that is wrong with the scene, each with its file, line and column where there is one.

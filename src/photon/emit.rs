@@ -215,8 +215,8 @@ impl EmissionUnit {
         units
     }
 
-    /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that carry no flux
-    /// count, but `photon` does not get them.
+    /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that
+    /// carry no flux count, but `photon` does not get them.
     pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
         let light = lights.get(self.light);
         let mut emitted = 0;

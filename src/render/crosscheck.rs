@@ -94,13 +94,7 @@ impl Paths<'_> {
         let [x, y] = self.stream.uniform2();
         let lens = ConcentricDisk.sample(self.stream.uniform2());
         let time = self.world.draw_time(&mut self.stream);
-        let ray = camera
-            .moved(time)
-            .as_ref()
-            .unwrap_or(camera)
-            .ray(Point2::new(x * width, y * height), lens)
-            .ray
-            .at_time(time);
+        let ray = camera.at(time).ray(Point2::new(x * width, y * height), lens).ray.at_time(time);
         self.follow(ray, RayKind::Camera, TransportMode::Radiance);
     }
 

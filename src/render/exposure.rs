@@ -136,8 +136,7 @@ impl Exposure<'_> {
         let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let offset = filter_offset(world.scene.camera.filter, start.raster);
         let time = self.time(x, y, s);
-        let moved = self.camera.moved(time);
-        let camera = moved.as_ref().unwrap_or(self.camera);
+        let camera = self.camera.at(time);
         let mut ray = camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
         ray.ray.time = time;
         let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);

@@ -155,7 +155,7 @@ impl LightTracer<'_> {
 
     fn connect(&mut self, walk: &Walk, si: &Interaction, bsdf: &Bsdf, stream: &mut Stream) {
         let lens = ConcentricDisk.sample(stream.uniform2());
-        let Some(seen) = self.camera.moved(si.time).as_ref().unwrap_or(self.camera).connect(si.p, lens) else { return };
+        let Some(seen) = self.camera.at(si.time).connect(si.p, lens) else { return };
         let film = self.world.scene.camera.resolution.map(f64::from);
         // A filter may carry a splat in from a pixel or two outside.
         let near = |x: f64, size: f64| x > -2.0 && x < size + 2.0;

@@ -20,9 +20,6 @@ const LIGHT: Kinds<(Part, Arrival)> = Kinds {
     scattered: (Part::Indirect, Arrival::Scattered),
 };
 
-/// Kinds that bring light straight from a surface that scatters, which not all vertices ask for.
-const IS_SCATTERED: [bool; 5] = [false, false, false, true, true];
-
 /// All photons of a pass, ready to be asked.
 pub struct PhotonLight<'a> {
     estimates: Kinds<Estimate<'a>>,
@@ -43,9 +40,9 @@ impl<'a> PhotonLight<'a> {
     /// `maps` are those of pass `pass`.
     pub fn of_pass(maps: &'a Kinds<PhotonMap>, settings: &'a RenderSettings, pass: u32) -> PhotonLight<'a> {
         let estimates = maps.as_ref().map(|map| Estimate::new(map, settings, pass));
-        let flux = estimates.as_ref().map(|estimate| estimate.flux().0.mean()).into_array();
-        let draws =
-            [false, true].map(|all| draw(std::array::from_fn(|k| if all || !IS_SCATTERED[k] { flux[k] } else { 0.0 })));
+        let flux = maps.as_ref().map(|map| map.flux().0.mean()).into_array();
+        let draws = [false, true]
+            .map(|scattered| draw(std::array::from_fn(|k| if asks(scattered, k) { flux[k] } else { 0.0 })));
         PhotonLight { estimates, draws }
     }
 
@@ -72,7 +69,7 @@ impl<'a> PhotonLight<'a> {
         for (i, query) in queries.iter().enumerate() {
             match query.point.asks {
                 Asks::All(_) => {
-                    for k in (0..5).filter(|&k| query.scattered || !IS_SCATTERED[k]) {
+                    for k in (0..5).filter(|&k| asks(query.scattered, k)) {
                         asked[k].push(Asked { query: i, point: query.point, weight: 1.0 });
                     }
                 }
@@ -86,6 +83,11 @@ impl<'a> PhotonLight<'a> {
         }
         asked
     }
+}
+
+/// Whether a vertex asks the `k`th map: not all ask for light straight from a surface that scatters.
+fn asks(scattered: bool, k: usize) -> bool {
+    scattered || LIGHT.into_array()[k].1 != Arrival::Scattered
 }
 
 /// Of maps with so much flux.

@@ -1,20 +1,20 @@
 //! A digest of everything in a description that can change a pixel: contents of meshes and images included, names,
 //! paths, the order of materials and the choice of layers not.
 
+mod materials;
+
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use super::camera::PixelFilter;
 use super::description::{
-    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialModel,
-    NormalMapDescription, ObjectDescription, Parameter, SceneDescription, ShapeDescription, TransformMap,
-    TransformStep,
+    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, ObjectDescription,
+    SceneDescription, ShapeDescription, TransformMap, TransformStep,
 };
 use super::mesh::TriangleMesh;
 use super::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeResolution,
 };
-use super::texture::{ImageTexture, Placement, Wrap};
 
 /// Changes when the serialisation below does.
 const VERSION: &str = "pdembree scene 1";
@@ -66,14 +66,6 @@ fn earlier(written: &mut HashMap<usize, usize>, index: usize) -> Option<usize> {
             free.insert(next);
             None
         }
-    }
-}
-
-fn wrap_name(wrap: Wrap) -> &'static str {
-    match wrap {
-        Wrap::Repeat => "repeat",
-        Wrap::Clamp => "clamp",
-        Wrap::Mirror => "mirror",
     }
 }
 
@@ -325,110 +317,6 @@ impl Canonical {
         if !mesh.colours.is_empty() {
             self.tag("colours");
             self.singles(&mesh.colours);
-        }
-    }
-
-    fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {
-        match *material {
-            MaterialModel::Lambert { albedo } => {
-                self.tag("lambert");
-                self.colour(albedo, description);
-            }
-            MaterialModel::Mirror { reflectance } => {
-                self.tag("mirror");
-                self.colour(reflectance, description);
-            }
-            MaterialModel::Dielectric { ior, exterior, fresnel } => {
-                self.tag("dielectric");
-                self.numbers(&[ior, exterior]);
-                self.integer(fresnel.into());
-            }
-            MaterialModel::Conductor { eta, k } => {
-                self.tag("conductor");
-                self.numbers([eta, k].as_flattened());
-            }
-            MaterialModel::RoughDielectric { ior, exterior, roughness } => {
-                self.tag("rough_dielectric");
-                self.numbers(&[ior, exterior]);
-                self.number(roughness, description);
-            }
-            MaterialModel::RoughConductor { eta, k, roughness } => {
-                self.tag("rough_conductor");
-                self.numbers([eta, k].as_flattened());
-                self.number(roughness, description);
-            }
-            MaterialModel::Plastic { albedo, ior } => {
-                self.tag("plastic");
-                self.numbers(&[ior]);
-                self.colour(albedo, description);
-            }
-            MaterialModel::Principled {
-                base_colour,
-                metalness,
-                roughness,
-                transmission,
-                coverage,
-                ior,
-                thin,
-                normal,
-            } => {
-                self.tag("principled");
-                self.numbers(&[ior]);
-                self.integer(thin.into());
-                self.colour(base_colour, description);
-                for number in [metalness, roughness, transmission, coverage] {
-                    self.number(number, description);
-                }
-                if let Some(NormalMapDescription { texture, scale }) = normal {
-                    self.tag("normal");
-                    self.numbers(&[scale]);
-                    self.texture(texture, description);
-                }
-            }
-        }
-    }
-
-    fn colour(&mut self, parameter: Parameter<[f64; 3]>, description: &SceneDescription) {
-        match parameter {
-            Parameter::Constant(value) => {
-                self.tag("constant");
-                self.numbers(&value);
-            }
-            Parameter::Image { texture, factor } => {
-                self.numbers(&factor);
-                self.texture(texture, description);
-            }
-        }
-    }
-
-    fn number(&mut self, parameter: Parameter<f64>, description: &SceneDescription) {
-        let triple = match parameter {
-            Parameter::Constant(value) => Parameter::Constant([value; 3]),
-            Parameter::Image { texture, factor } => Parameter::Image { texture, factor: [factor; 3] },
-        };
-        self.colour(triple, description);
-    }
-
-    fn texture(&mut self, index: usize, description: &SceneDescription) {
-        let Some(texture) = description.textures.get(index) else { return self.tag("no image") };
-        if let Some(place) = earlier(&mut self.textures, index) {
-            self.tag("image again");
-            return self.count(place);
-        }
-        let ImageTexture { width, height, texels, wrap: [across, up], placement } = &texture.image;
-        self.tag("image");
-        self.count(*width);
-        self.count(*height);
-        self.singles(texels);
-        self.tag(wrap_name(*across));
-        // Only where they are set, as with settings.
-        if up != across {
-            self.tag("up");
-            self.tag(wrap_name(*up));
-        }
-        if *placement != Placement::IDENTITY {
-            self.tag("placed");
-            self.numbers(placement.rows.as_flattened());
         }
     }
 

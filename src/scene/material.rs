@@ -78,8 +78,8 @@ impl Material {
         matches!(self, Material::Principled { .. })
     }
 
-    /// Whether a BSDF of this material can focus light: it has a delta lobe, were it straight on through holes, or one of microfacets
-    /// that is not of one class with a diffuse base.
+    /// Whether a BSDF of this material can focus light: it has a delta lobe, were it straight on through holes, or one of
+    /// microfacets that is not of one class with a diffuse base.
     pub fn can_focus(&self) -> bool {
         match self {
             Material::Lambert { .. } => false,

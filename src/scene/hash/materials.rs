@@ -1,0 +1,119 @@
+//! Materials and their images, by content.
+
+use super::{Canonical, earlier};
+use crate::scene::description::{MaterialModel, NormalMapDescription, Parameter, SceneDescription};
+use crate::scene::texture::{ImageTexture, Placement, Wrap};
+
+impl Canonical {
+    pub(super) fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {
+        match *material {
+            MaterialModel::Lambert { albedo } => {
+                self.tag("lambert");
+                self.colour(albedo, description);
+            }
+            MaterialModel::Mirror { reflectance } => {
+                self.tag("mirror");
+                self.colour(reflectance, description);
+            }
+            MaterialModel::Dielectric { ior, exterior, fresnel } => {
+                self.tag("dielectric");
+                self.numbers(&[ior, exterior]);
+                self.integer(fresnel.into());
+            }
+            MaterialModel::Conductor { eta, k } => {
+                self.tag("conductor");
+                self.numbers([eta, k].as_flattened());
+            }
+            MaterialModel::RoughDielectric { ior, exterior, roughness } => {
+                self.tag("rough_dielectric");
+                self.numbers(&[ior, exterior]);
+                self.number(roughness, description);
+            }
+            MaterialModel::RoughConductor { eta, k, roughness } => {
+                self.tag("rough_conductor");
+                self.numbers([eta, k].as_flattened());
+                self.number(roughness, description);
+            }
+            MaterialModel::Plastic { albedo, ior } => {
+                self.tag("plastic");
+                self.numbers(&[ior]);
+                self.colour(albedo, description);
+            }
+            MaterialModel::Principled {
+                base_colour,
+                metalness,
+                roughness,
+                transmission,
+                coverage,
+                ior,
+                thin,
+                normal,
+            } => {
+                self.tag("principled");
+                self.numbers(&[ior]);
+                self.integer(thin.into());
+                self.colour(base_colour, description);
+                for number in [metalness, roughness, transmission, coverage] {
+                    self.number(number, description);
+                }
+                if let Some(NormalMapDescription { texture, scale }) = normal {
+                    self.tag("normal");
+                    self.numbers(&[scale]);
+                    self.texture(texture, description);
+                }
+            }
+        }
+    }
+
+    fn colour(&mut self, parameter: Parameter<[f64; 3]>, description: &SceneDescription) {
+        match parameter {
+            Parameter::Constant(value) => {
+                self.tag("constant");
+                self.numbers(&value);
+            }
+            Parameter::Image { texture, factor } => {
+                self.numbers(&factor);
+                self.texture(texture, description);
+            }
+        }
+    }
+
+    fn number(&mut self, parameter: Parameter<f64>, description: &SceneDescription) {
+        let triple = match parameter {
+            Parameter::Constant(value) => Parameter::Constant([value; 3]),
+            Parameter::Image { texture, factor } => Parameter::Image { texture, factor: [factor; 3] },
+        };
+        self.colour(triple, description);
+    }
+
+    fn texture(&mut self, index: usize, description: &SceneDescription) {
+        let Some(texture) = description.textures.get(index) else { return self.tag("no image") };
+        if let Some(place) = earlier(&mut self.textures, index) {
+            self.tag("image again");
+            return self.count(place);
+        }
+        let ImageTexture { width, height, texels, wrap: [across, up], placement } = &texture.image;
+        self.tag("image");
+        self.count(*width);
+        self.count(*height);
+        self.singles(texels);
+        self.tag(wrap_name(*across));
+        // Only where they are set, as with settings.
+        if up != across {
+            self.tag("up");
+            self.tag(wrap_name(*up));
+        }
+        if *placement != Placement::IDENTITY {
+            self.tag("placed");
+            self.numbers(placement.rows.as_flattened());
+        }
+    }
+}
+
+fn wrap_name(wrap: Wrap) -> &'static str {
+    match wrap {
+        Wrap::Repeat => "repeat",
+        Wrap::Clamp => "clamp",
+        Wrap::Mirror => "mirror",
+    }
+}
