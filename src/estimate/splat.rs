@@ -139,7 +139,7 @@ impl<'a> Splat<'a> {
         if !Lanes::from(near).any() {
             return None;
         }
-        let (mut t, mut scale) = ([0.0f32; WIDTH], [0.0f32; WIDTH]);
+        let (mut forms, mut determinants, mut lit) = ([0.0f32; WIDTH], [0.0f32; WIDTH], [false; WIDTH]);
         for i in 0..WIDTH {
             let [e, g] = [0, 1].map(|k| lane(&block.eye[k], i));
             let [ex, ey] = [0, 1].map(|k| dot(&self.axes[k], &e));
@@ -148,14 +148,21 @@ impl<'a> Splat<'a> {
             let determinant = a2 * b2 + (a2 * (ey * ey + gy * gy) + b2 * (ex * ex + gx * gx)) + area * area;
             let [across_e, across_g] = [ey * dx[i] - ex * dy[i], gy * dx[i] - gx * dy[i]];
             let form = b2 * (dx[i] * dx[i]) + a2 * (dy[i] * dy[i]) + (across_e * across_e + across_g * across_g);
-            let ng = lane(&block.ng, i);
-            let facing = dot(&ng, &self.n) >= MIN_NORMAL_COSINE as f32;
-            let lit = near[i] & facing & (form < determinant);
+            let facing = dot(&lane(&block.ng, i), &self.n) >= MIN_NORMAL_COSINE as f32;
+            lit[i] = near[i] & facing & (form < determinant);
+            (forms[i], determinants[i]) = (form, determinant);
+        }
+        if !Lanes::from(lit).any() {
+            return None;
+        }
+        let (mut t, mut scale) = ([0.0f32; WIDTH], [0.0f32; WIDTH]);
+        for i in 0..WIDTH {
             // Chosen before dividing: a branch around a division would part the eight.
-            let (form, determinant, own) = if lit { (form, determinant, self.per_area) } else { (1.0, 1.0, 0.0) };
+            let (form, determinant, own) =
+                if lit[i] { (forms[i], determinants[i], self.per_area) } else { (1.0, 1.0, 0.0) };
             let inverse = 1.0 / determinant;
             t[i] = form * inverse;
-            scale[i] = inverse.sqrt() * (dot(&ng, &self.slide).abs() * own);
+            scale[i] = inverse.sqrt() * (dot(&lane(&block.ng, i), &self.slide).abs() * own);
         }
         let mut weights = kernel::evaluate_eight(self.kernel, &t);
         for i in 0..WIDTH {
