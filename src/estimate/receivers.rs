@@ -36,6 +36,8 @@ pub struct Block {
     pub side: Eight,
     /// Turned to the side of `wo`.
     pub ns: Vec3Eight,
+    /// Whether both normals are one and the same in all lanes.
+    pub smooth: bool,
     pub eye: [Vec3Eight; 2],
     /// Squares of semi-axes that the eye footprints do not exceed, m².
     pub widest_eye: Eight,
@@ -123,6 +125,7 @@ impl Block {
             ng: [[0.0; WIDTH]; 3],
             side: [0.0; WIDTH],
             ns: [[0.0; WIDTH]; 3],
+            smooth: true,
             eye: [[[0.0; WIDTH]; 3]; 2],
             widest_eye: [0.0; WIDTH],
             shared_above: [0.0; WIDTH],
@@ -143,6 +146,7 @@ impl Block {
         set(&mut self.p, point.p - self.origin);
         set(&mut self.ng, point.ng.to_vec());
         set(&mut self.ns, point.ns * side(point.ns));
+        self.smooth &= point.ns == point.ng;
         set(&mut self.eye[0], point.eye[0]);
         set(&mut self.eye[1], point.eye[1]);
         self.side[lane] = side(point.ng) as f32;

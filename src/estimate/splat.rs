@@ -177,10 +177,16 @@ impl<'a> Splat<'a> {
         let mut reflected = [0.0f32; WIDTH];
         for i in 0..WIDTH {
             let cos_s = dot(&lane(&block.ns, i), &self.wi);
-            let cos_g = dot(&lane(&block.ng, i), &self.wi) * block.side[i];
-            // The cosine of the shading normal in place of the geometric one that the footprint's area has.
-            let (cos_s, cos_g) = if (cos_s > 0.0) & (cos_g > 0.0) { (cos_s, cos_g) } else { (0.0, 1.0) };
-            reflected[i] = weights[i] * (cos_s / cos_g);
+            reflected[i] = if cos_s > 0.0 { weights[i] } else { 0.0 };
+        }
+        if !block.smooth {
+            for i in 0..WIDTH {
+                let cos_s = dot(&lane(&block.ns, i), &self.wi);
+                let cos_g = dot(&lane(&block.ng, i), &self.wi) * block.side[i];
+                // The cosine of the shading normal in place of the geometric one that the footprint's area has.
+                let (cos_s, cos_g) = if (cos_s > 0.0) & (cos_g > 0.0) { (cos_s, cos_g) } else { (0.0, 1.0) };
+                reflected[i] *= cos_s / cos_g;
+            }
         }
         for k in 0..3 {
             for i in 0..WIDTH {
