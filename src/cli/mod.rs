@@ -12,6 +12,7 @@ mod crew;
 mod crosscheck;
 mod eta;
 mod failure;
+mod fit;
 mod info;
 mod keeper;
 mod man;

@@ -12,7 +12,7 @@ use pdembree::output::{BirthCertificate, PartInfo, atomic};
 use pdembree::render::budget::{Budget, MAX_PASSES};
 use pdembree::render::progress::Progress;
 use pdembree::render::store::{self, Assignment};
-use pdembree::render::{Ended, RenderState, go_on, memory, tiling};
+use pdembree::render::{Ended, RenderState, go_on, tiling};
 use pdembree::scene::settings::Method;
 use pdembree::world::World;
 
@@ -22,10 +22,11 @@ use super::console::{Verbosity, note};
 use super::crew::over_ranks;
 use super::crew::{Alone, Crew};
 use super::failure::{Failure, code};
+use super::fit;
 use super::keeper::{Checkpoint, Keeper, Snapshot};
 use super::number::{bytes, fraction, length_of_time, range, tile};
 use super::outputs::{OutputArgs, Outputs, rescued, snapshot_beside};
-use super::progress::{Mode, duration, size};
+use super::progress::{Mode, duration};
 use super::scene::SceneArgs;
 use super::signals::Signals;
 use super::work::{WorkArgs, world};
@@ -57,7 +58,8 @@ pub struct Args {
 #[derive(clap::Args)]
 #[command(next_help_heading = "How long (default: the passes that the scene file says)")]
 struct UntilArgs {
-    /// Begin no pass that would probably end later than this: 90s, 10m, 1.5h
+    /// Begin no pass that would probably end later than this: 90s, 10m, 1.5h. Passes that are longer are made smaller, but
+    /// not those of a tile or of a render that is saved
     #[arg(long, env = "PDEMBREE_TIME_LIMIT", value_name = "TIME", value_parser = length_of_time)]
     time_limit: Option<Duration>,
     /// Stop when the noise, the mean over the pixels of standard error over luminance, is below this: 0.02
@@ -149,7 +151,10 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     reporter.phase("scene", 1);
     let mut world = world(loaded.scene)?;
     reporter.finish();
-    fit_memory(&mut world, args.keep.photon_memory, verbosity);
+    fit::memory(&mut world, args.keep.photon_memory, verbosity);
+    if let Some(limit) = args.until.time_limit.filter(|_| !is_a_part && args.keep.checkpoint.is_none()) {
+        fit::time(&mut world, limit.saturating_sub(start.elapsed()), &signals, verbosity)?;
+    }
     let plan = Plan::new(args, &world, crew)?;
     let info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
     if let Some(part) = outputs.part().filter(|part| store::is_done(part, &info, &plan.assignment) && outputs.exist()) {
@@ -249,30 +254,6 @@ fn open_viewer(args: &Args) -> Result<Option<Viewer>, Failure> {
         .map(open)
         .transpose()
         .map_err(|error| Failure::new(code::USAGE, format!("--display-server: {error}")))
-}
-
-/// Splits passes whose photons would not fit into the memory for them.
-fn fit_memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
-    if limit.is_none() && !verbosity.verbose || world.scene.settings.method != Method::PhotonMap {
-        return;
-    }
-    let estimate = memory::estimate(world);
-    let about = format!(
-        "about {} of {} photons are stored in a pass, {} at {} bytes each",
-        estimate.stored,
-        world.scene.settings.photons,
-        size(estimate.bytes()),
-        memory::BYTES_PER_PHOTON
-    );
-    let split = limit.and_then(|limit| memory::split(&world.scene.settings, &estimate, limit));
-    let what = match &split {
-        None => String::new(),
-        Some(settings) => format!("; split into {} passes of {} photons", settings.passes, settings.photons),
-    };
-    note(verbosity, "photons", &(about + &what));
-    if let Some(settings) = split {
-        world.scene.settings = settings;
-    }
 }
 
 /// Locks the checkpoint and reads it, or begins from nothing.

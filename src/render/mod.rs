@@ -16,6 +16,7 @@ pub mod partition;
 pub mod photon_light;
 pub mod photon_map;
 pub mod progress;
+pub mod rehearsal;
 pub mod store;
 pub mod tiling;
 pub mod unit;

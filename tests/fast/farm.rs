@@ -356,6 +356,28 @@ fn time_error_and_memory_bound_a_render() {
     assert!((6000..6100).contains(&emitted), "{emitted}");
 }
 
+/// Whatever the clock says, a microsecond is too short for every pass and an hour for none of these.
+#[test]
+fn passes_longer_than_the_time_limit_are_made_smaller() {
+    let (folder, scene) = (folder(), ball());
+    let here = folder.path();
+    let settings = "--spp=8 --photons=4000 --passes=1 -Dcamera.resolution=[40,24] -Dcamera.width=0.6 --progress=none";
+    let render = |more: &str| {
+        let (_, err) = succeed(here, &["render", &scene, settings, "--stats=s.json", more]);
+        let stats: Value = serde_json::from_slice(&bytes(&here.join("s.json"))).expect("JSON");
+        let emitted = stats["photons_emitted"].as_u64().expect("a count");
+        (err, stats["passes"].as_u64().expect("passes"), emitted)
+    };
+    let (err, passes, emitted) = render("-o short.exr --time-limit=0.000001s");
+    assert!(err.contains("; passes with photons = 500 and spp = 1 instead"), "{err}");
+    assert!(passes == 1 && (500..600).contains(&emitted), "{passes}, {emitted}");
+    for whole in ["-o long.exr --time-limit=1h", "-o saved.exr --time-limit=0.000001s --checkpoint=saved.pdpart"] {
+        let (err, passes, emitted) = render(whole);
+        assert!(!err.contains("instead"), "{err}");
+        assert!(passes == 1 && (4000..4100).contains(&emitted), "{passes}, {emitted}");
+    }
+}
+
 #[test]
 fn a_viewer_gets_the_picture_and_its_absence_does_no_harm() {
     let (folder, scene) = (folder(), ball());
