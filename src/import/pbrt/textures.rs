@@ -59,13 +59,16 @@ enum Use {
     },
 }
 
+/// The address of an image, the bits of its factor, its use.
+type UseKey = (usize, [u64; 3], Use);
+
 /// The textures of a file.
 pub(super) struct Textures<'a> {
     folder: &'a Path,
     /// `None` for one that was reported.
     named: HashMap<(Type, String), Option<Value>>,
     /// By the image, its factor and its use; with the image, so that no other one takes its address.
-    indices: HashMap<(usize, [u64; 3], Use), (usize, Rc<ImageTexture>)>,
+    indices: HashMap<UseKey, (usize, Rc<ImageTexture>)>,
     pub described: Vec<TextureDescription>,
     texels: usize,
 }
