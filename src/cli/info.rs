@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use pdembree::import::gltf::is_gltf;
+use pdembree::import::is_foreign;
 use pdembree::output::exr;
 use pdembree::output::sidecar::settings_by_name;
 use pdembree::scene::Scene;
@@ -14,7 +14,7 @@ use super::console::{Verbosity, print, print_json};
 use super::failure::Failure;
 use super::scene::SceneArgs;
 
-/// Describe a picture (EXR) or a scene (TOML, glTF)
+/// Describe a picture (EXR) or a scene (TOML, glTF, pbrt)
 ///
 /// Of a scene it prints what it holds and the settings that a render of it would use, the command line's among them.
 #[derive(clap::Args)]
@@ -65,7 +65,7 @@ struct SceneInfo {
 pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let path = &args.file.scene;
     let is_toml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
-    let is_scene = is_toml || is_gltf(path);
+    let is_scene = is_toml || is_foreign(path);
     if is_scene {
         let info = describe_scene(path, &args.file.load(verbosity)?.scene);
         if args.json {

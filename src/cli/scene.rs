@@ -18,11 +18,14 @@ use super::problems;
 
 #[derive(clap::Args)]
 pub struct SceneArgs {
-    /// Scene file (TOML, glTF)
+    /// Scene file (TOML, glTF, pbrt)
     pub scene: PathBuf,
     /// Override one value of the scene file, for example -D materials.glass.ior=1.33 (repeatable)
     #[arg(short = 'D', long = "define", value_name = "KEY=VALUE", value_parser = define)]
     define: Vec<Override>,
+    /// Of a pbrt file leave out what cannot be rendered, with a warning
+    #[arg(long)]
+    lenient: bool,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -171,7 +174,8 @@ impl SceneArgs {
 
     /// What the command line and the environment put over the scene file, the strongest last.
     pub fn overrides(&self) -> Vec<Override> {
-        [self.define.clone(), self.settings.overrides()].concat()
+        let lenient = self.lenient.then(|| Override::new("lenient", "true"));
+        [self.define.clone(), lenient.into_iter().collect(), self.settings.overrides()].concat()
     }
 
     /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.

@@ -9,6 +9,9 @@ pub mod scene_format {}
 #[doc = include_str!("gltf.md")]
 pub mod gltf {}
 
+#[doc = include_str!("pbrt.md")]
+pub mod pbrt {}
+
 #[doc = include_str!("motion.md")]
 pub mod motion {}
 

@@ -5,11 +5,15 @@
 
 mod assets;
 pub mod gltf;
+mod ignored;
 pub mod image;
+pub mod imported;
 pub(crate) mod keyed;
 pub mod mesh_file;
+mod names;
 pub mod native;
 pub mod obj;
+pub mod pbrt;
 pub mod ply;
 
 pub use native::Override;
@@ -35,17 +39,22 @@ pub struct Loaded {
     pub warnings: Vec<Problem>,
 }
 
-/// Reads the scene file `path`, TOML or glTF by its name, with `overrides` laid over it, the files that it names, and
+/// Reads the scene file `path`, TOML, glTF or pbrt by its name, with `overrides` laid over it, the files that it names, and
 /// assembles the scene.
 ///
 /// # Errors
 /// Everything that is wrong with the scene, each with its file, line and column where there is one.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
-    if gltf::is_gltf(path) {
-        return finish(native::describe_gltf(path, overrides)?);
+    if is_foreign(path) {
+        return finish(native::describe_foreign(path, overrides));
     }
     let text = read_scene_text(path)?;
     load_text(path, &text, overrides)
+}
+
+/// Whether a file goes by a name of scene files of other programs.
+pub fn is_foreign(path: &Path) -> bool {
+    gltf::is_gltf(path) || pbrt::is_pbrt(path)
 }
 
 /// Like [`load`] with the content of the scene file at hand; `path` is for messages and for finding other files.

@@ -50,6 +50,8 @@ pub enum ProblemKind {
     BadContent,
     /// An input file is not there or cannot be read.
     MissingInput,
+    /// The content is sound, but nothing here renders it.
+    Unsupported,
 }
 
 /// One thing that is wrong, or one warning.

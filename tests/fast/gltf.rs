@@ -5,7 +5,8 @@ use std::path::Path;
 use proptest::prelude::{ProptestConfig, any, prop, proptest};
 use serde_json::{Value, json};
 
-use pdembree::import::gltf::{GltfScene, is_gltf, parse};
+use pdembree::import::gltf::{is_gltf, parse};
+use pdembree::import::imported::Imported;
 use pdembree::import::{Override, load, load_text};
 use pdembree::scene::description::{CameraModelDescription, LightModel, TransformMap};
 use pdembree::scene::error::Problems;
@@ -14,7 +15,7 @@ use pdembree::scene::{LightSource, TriangleMesh};
 use crate::support::data::shared;
 use crate::support::gltf::{F32, Gltf, U8, U16, U32, floats, indices};
 
-fn read(file: &Gltf) -> GltfScene {
+fn read(file: &Gltf) -> Imported {
     parse(Path::new("t.gltf"), &file.text()).unwrap_or_else(|problems| panic!("{problems}\n{}", file.json))
 }
 
@@ -25,7 +26,7 @@ fn refused(bytes: &[u8]) -> String {
     }
 }
 
-fn only_mesh(scene: &GltfScene) -> &TriangleMesh {
+fn only_mesh(scene: &Imported) -> &TriangleMesh {
     assert_eq!(scene.meshes.len(), 1);
     &scene.meshes[0].mesh
 }
@@ -154,7 +155,7 @@ fn with_camera(camera: Value) -> Gltf {
 #[test]
 fn cameras_look_along_their_z_with_the_width_of_their_angle() {
     let file = with_camera(json!({"type": "perspective", "perspective": {"yfov": 0.7, "aspectRatio": 2, "znear": 1}}));
-    let camera = read(&file).camera.expect("a camera");
+    let camera = read(&file).camera;
     let CameraModelDescription::Perspective { fov_degrees } = camera.model else { panic!("{:?}", camera.model) };
     let expected = 2.0 * (2.0 * 0.35f64.tan()).atan().to_degrees();
     assert!((fov_degrees - expected).abs() < 1e-5, "{fov_degrees}, not {expected}");
@@ -164,7 +165,7 @@ fn cameras_look_along_their_z_with_the_width_of_their_angle() {
     }
     let file =
         with_camera(json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 3, "zfar": 9, "znear": 0}}));
-    let camera = read(&file).camera.expect("a camera");
+    let camera = read(&file).camera;
     assert_eq!(camera.model, CameraModelDescription::Orthographic { width: 2.0 });
     assert_eq!(camera.resolution, [320, 960]);
 }

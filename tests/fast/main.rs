@@ -32,6 +32,7 @@ mod bsdf_delta;
 mod bsdf_energy;
 mod chi2_support;
 mod parts;
+mod pbrt;
 mod shape_derivatives;
 mod shape_intersect;
 mod shape_sampling;

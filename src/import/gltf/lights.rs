@@ -6,8 +6,8 @@
 use glam::{DMat4, DVec3};
 use gltf::khr_lights_punctual::{Kind, Light};
 
-use super::ignored::Ignored;
 use super::nodes::direction;
+use crate::import::ignored::Ignored;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel};
 use crate::scene::error::Source;
 

@@ -4,9 +4,9 @@ use gltf::material::{AlphaMode, NormalTexture, PbrSpecularGlossiness};
 use gltf::texture::Info;
 use gltf::{Document, Material};
 
-use super::ignored::Ignored;
-use super::names::Names;
 use super::textures::{Channels, Textures, uv_set};
+use crate::import::ignored::Ignored;
+use crate::import::names::Names;
 use crate::scene::description::{Emission, MaterialDescription, MaterialModel, NormalMapDescription, Parameter};
 use crate::scene::error::{Problem, Source};
 

@@ -5,7 +5,7 @@ use gltf::mesh::Mode;
 
 use super::accessor::{self, COLOURS, INDICES, Kinds, TEXTURE_COORDINATES, VECTORS};
 use super::buffers::Buffers;
-use super::ignored::Ignored;
+use crate::import::ignored::Ignored;
 use crate::scene::mesh::TriangleMesh;
 
 /// Bytes of meshes for a byte of buffers: what many primitives over the same bytes may take together.

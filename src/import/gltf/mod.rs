@@ -7,11 +7,9 @@ mod accessor;
 mod buffers;
 mod camera;
 mod container;
-mod ignored;
 mod lights;
 mod materials;
 mod mesh;
-mod names;
 mod nodes;
 mod references;
 mod textures;
@@ -23,54 +21,31 @@ use std::path::Path;
 use gltf::{Document, Primitive};
 
 use self::buffers::Buffers;
-use self::ignored::Ignored;
 use self::materials::Materials;
 use self::mesh::Budget;
-use self::names::Names;
 use self::nodes::Placed;
 use self::textures::Textures;
+use super::ignored::Ignored;
+use super::imported::Imported;
+use super::names::Names;
 use super::{MAX_MESH_BYTES, read_bytes};
 use crate::math::{Bounds3, Point3};
 use crate::scene::description::{
-    CameraDescription, LightDescription, MaterialDescription, MeshDescription, ObjectDescription, Reference,
-    ShapeDescription, TextureDescription, TransformStep,
+    LightDescription, MeshDescription, ObjectDescription, Reference, ShapeDescription, TransformStep,
 };
 use crate::scene::error::{Problem, Problems, Source};
+use crate::scene::settings::RenderSettings;
 
 /// Whether a file goes by a name that glTF files have.
 pub fn is_gltf(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
 }
 
-/// What a file holds, in the terms of a description.
-pub struct GltfScene {
-    pub source: Source,
-    /// The first that a node carries.
-    pub camera: Option<CameraDescription>,
-    pub materials: Vec<MaterialDescription>,
-    pub textures: Vec<TextureDescription>,
-    pub meshes: Vec<MeshDescription>,
-    pub objects: Vec<ObjectDescription>,
-    pub lights: Vec<LightDescription>,
-    /// Whether it brings its own light: glowing pictures alone are no lamps.
-    pub is_lit: bool,
-    /// About what is left out.
-    pub warnings: Vec<Problem>,
-    bounds: Bounds3,
-}
-
-impl GltfScene {
-    /// A camera that has everything in view, for a file without one.
-    pub fn framing_camera(&self) -> CameraDescription {
-        camera::framing(self.bounds, &self.source)
-    }
-}
-
 /// Reads the file and those that it names.
 ///
 /// # Errors
 /// Files that cannot be read, and everything that makes this one no sound glTF.
-pub fn read(path: &Path) -> Result<GltfScene, Problems> {
+pub fn read(path: &Path) -> Result<Imported, Problems> {
     let bytes = read_bytes(path, MAX_MESH_BYTES)?;
     parse(path, &bytes)
 }
@@ -79,7 +54,7 @@ pub fn read(path: &Path) -> Result<GltfScene, Problems> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(path: &Path, bytes: &[u8]) -> Result<GltfScene, Problems> {
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
     let source = Source::file(path);
     let container = container::open(bytes, &source)?;
     let document = Document::from_json_without_validation(container.root);
@@ -120,7 +95,19 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<GltfScene, Problems> {
     ignored.note_if(cameras.len() > 1, "cameras behind the first one");
     let warnings = ignored.warning(&source).into_iter().collect();
     let is_lit = has_lamp || !lights.is_empty();
-    Ok(GltfScene { source, camera, materials, textures, meshes, objects, lights, is_lit, warnings, bounds })
+    Ok(Imported {
+        has_camera: camera.is_some(),
+        camera: camera.unwrap_or_else(|| camera::framing(bounds, &source)),
+        settings: RenderSettings::default(),
+        source,
+        materials,
+        textures,
+        meshes,
+        objects,
+        lights,
+        is_lit,
+        warnings,
+    })
 }
 
 /// Extensions that are read.

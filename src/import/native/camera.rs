@@ -210,9 +210,9 @@ const KERNELS: Choice<'_, KernelShape> = Choice {
     from_name: |name| if name == "silverman" { Some(KernelShape::Biweight) } else { KernelShape::from_name(name) },
 };
 
-pub(super) fn read_settings(section: Section<'_>) -> RenderSettings {
+/// The settings of a table; what that leaves out is as in `default`.
+pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> RenderSettings {
     const LARGE: u64 = 1_000_000;
-    let default = RenderSettings::default();
     let count = |min| Integer::within(min, LARGE);
     let depth = |min| Integer::within(min, 65_535);
     let photons = Integer {

@@ -1,15 +1,17 @@
-//! What a glTF file brings into a scene, and what stands in for what it lacks.
+//! What a glTF or pbrt file brings into a scene, and what stands in for what it lacks.
 
 use std::path::Path;
 
 use crate::import::assets::Assets;
-use crate::import::gltf::{self, GltfScene};
+use crate::import::imported::Imported;
 use crate::import::keyed::convert::Text;
 use crate::import::keyed::reader::Section;
+use crate::import::{gltf, is_foreign, pbrt};
 use crate::scene::description::{
     CameraDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription, ObjectDescription,
 };
 use crate::scene::error::{Problem, Problems, Source};
+use crate::scene::settings::RenderSettings;
 
 /// What stands in for lights: an even sky, W/(m²·sr), and a sun from above, to the right and before the things, W/m². The sky
 /// alone would show white things as nothing.
@@ -23,6 +25,7 @@ pub(super) struct Included {
     /// The file's, or one that has everything in view.
     pub camera: CameraDescription,
     has_camera: bool,
+    pub settings: RenderSettings,
     materials: Vec<MaterialDescription>,
     objects: Vec<ObjectDescription>,
     lights: Vec<LightDescription>,
@@ -30,29 +33,35 @@ pub(super) struct Included {
     warnings: Vec<Problem>,
 }
 
-/// The glTF file that `include` names, if it can be read.
-pub(super) fn read(root: &Section<'_>, folder: &Path) -> Option<GltfScene> {
+/// The file that `include` names, if it can be read.
+pub(super) fn read(root: &Section<'_>, folder: &Path, lenient: bool) -> Option<Imported> {
     let value = root.get("include")?;
     let name = root.reader.convert("include", value, &Text)?;
     let path = folder.join(&name);
     let used_at = root.reader.source(value.span());
-    if !gltf::is_gltf(&path) {
+    if !is_foreign(&path) {
         let problem = Problem::new(format!("`{name}` is no file that can be included"));
-        root.reader.report(problem.help("glTF files are, whose names end in .gltf or .glb").at(&used_at));
+        let help = "glTF and pbrt files are, whose names end in .gltf, .glb or .pbrt";
+        root.reader.report(problem.help(help).at(&used_at));
         return None;
     }
     let placed = |problems: Problems| Problems(problems.0.into_iter().map(|p| p.at_unless_placed(&used_at)).collect());
-    gltf::read(&path).map_err(|problems| root.reader.report_all(placed(problems))).ok()
+    read_file(&path, lenient).map_err(|problems| root.reader.report_all(placed(problems))).ok()
+}
+
+/// A glTF or pbrt file by its name. `lenient`: what of the latter cannot be rendered is left out with a warning.
+pub(super) fn read_file(path: &Path, lenient: bool) -> Result<Imported, Problems> {
+    if pbrt::is_pbrt(path) { pbrt::read(path, lenient) } else { gltf::read(path) }
 }
 
 impl Included {
     /// `assets` hold nothing yet, so that its indices stay what they are.
-    pub fn into_assets(gltf: GltfScene, assets: &mut Assets) -> Included {
-        let (has_camera, framing) = (gltf.camera.is_some(), gltf.framing_camera());
-        let GltfScene { source, camera, materials, textures, meshes, objects, lights, is_lit, warnings, .. } = gltf;
+    pub fn into_assets(imported: Imported, assets: &mut Assets) -> Included {
+        let Imported { source, camera, has_camera, settings, materials, textures, meshes, objects, .. } = imported;
+        let Imported { lights, is_lit, warnings, .. } = imported;
         assets.textures = textures;
         assets.meshes = meshes;
-        Included { source, camera: camera.unwrap_or(framing), has_camera, materials, objects, lights, is_lit, warnings }
+        Included { source, camera, has_camera, settings, materials, objects, lights, is_lit, warnings }
     }
 
     /// Puts the file's things before the scene's own, which take the place of materials of the same name and of all lights

@@ -17,13 +17,13 @@ use toml::de::DeTable;
 
 use self::included::Included;
 use super::assets::Assets;
-use super::gltf::{self, GltfScene};
-use super::keyed::convert::Integer;
+use super::keyed::convert::{Boolean, Integer};
 use super::keyed::reader::{Reader, Section};
 use super::keyed::syntax_problems;
 use super::keyed::texts::Texts;
 use crate::scene::description::SceneDescription;
 use crate::scene::error::Problems;
+use crate::scene::settings::RenderSettings;
 
 /// The version of the format that this program reads.
 const FORMAT: u64 = 1;
@@ -36,20 +36,16 @@ pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<Scen
     describe_with(path, text, overrides, None)
 }
 
-/// A glTF file as if a scene file had nothing in it but that.
-///
-/// # Errors
-/// What is wrong with the glTF file.
-pub fn describe_gltf(path: &Path, overrides: &[Override]) -> Result<(Option<SceneDescription>, Problems), Problems> {
-    let included = gltf::read(path)?;
-    Ok(describe_with(path, "format = 1", overrides, Some(included)))
+/// A glTF or pbrt file as if a scene file had nothing in it but that.
+pub fn describe_foreign(path: &Path, overrides: &[Override]) -> (Option<SceneDescription>, Problems) {
+    describe_with(path, "format = 1", overrides, Some(path))
 }
 
 fn describe_with(
     path: &Path,
     text: &str,
     overrides: &[Override],
-    included: Option<GltfScene>,
+    foreign: Option<&Path>,
 ) -> (Option<SceneDescription>, Problems) {
     let mut texts = Texts::new(path, text);
     let statements = overrides::statements(overrides, &mut texts);
@@ -62,15 +58,21 @@ fn describe_with(
     let mut table = document.into_inner();
     overrides::apply(&mut table, &statements, &texts, &mut problems);
     let reader = Reader::new(&texts, problems);
-    let description = read_scene(Section::new(&reader, "the scene", &table, span), path, included);
-    (Some(description), reader.into_problems())
+    let description = read_scene(Section::new(&reader, "the scene", &table, span), path, foreign);
+    (description, reader.into_problems())
 }
 
-fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> SceneDescription {
+fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<SceneDescription> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut assets = Assets::new(folder);
-    let included = included.or_else(|| included::read(&root, folder));
-    let included = included.map(|gltf| Included::into_assets(gltf, &mut assets));
+    let lenient = root.or("lenient", Boolean, false);
+    let included = match foreign {
+        Some(path) => {
+            Some(included::read_file(path, lenient).map_err(|problems| root.reader.report_all(problems)).ok()?)
+        }
+        None => included::read(&root, folder, lenient),
+    };
+    let included = included.map(|imported| Included::into_assets(imported, &mut assets));
     let file = root.reader.texts.file().clone();
 
     let version = Integer { min: FORMAT, max: FORMAT, help: Some("this program reads version 1 of the format") };
@@ -79,7 +81,11 @@ fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> Sc
     let camera = root.table("camera").map(|section| camera::read(section, own_camera)).or(own_camera.cloned());
     let render = root.table("render");
     let settings_source = render.as_ref().map_or(file.clone(), Section::source);
-    let settings = render.map(camera::read_settings).unwrap_or_default();
+    let own_settings = included.as_ref().map_or_else(RenderSettings::default, |i| i.settings.clone());
+    let settings = match render {
+        Some(section) => camera::read_settings(section, own_settings),
+        None => own_settings,
+    };
     let mut materials = materials::read(&root, &mut assets);
     let mut objects = objects::read(&root, &mut assets);
     let mut lights = lights::read(&root);
@@ -92,7 +98,7 @@ fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> Sc
         warnings = included.add_to(&mut materials, &mut objects, &mut lights, camera_is_given);
     }
 
-    SceneDescription {
+    Some(SceneDescription {
         source: file,
         camera,
         settings,
@@ -103,5 +109,5 @@ fn read_scene(root: Section<'_>, path: &Path, included: Option<GltfScene>) -> Sc
         objects,
         lights,
         warnings,
-    }
+    })
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::scene::error::{Problem, Source};
 
 #[derive(Debug, Default)]
-pub(super) struct Ignored(BTreeSet<String>);
+pub(crate) struct Ignored(BTreeSet<String>);
 
 impl Ignored {
     pub fn note(&mut self, name: impl Into<String>) {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 /// How often each name was given.
 #[derive(Default)]
-pub(super) struct Names(HashMap<String, usize>);
+pub(crate) struct Names(HashMap<String, usize>);
 
 impl Names {
     /// `name` the first time, then `name 2` and so on.
