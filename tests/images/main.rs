@@ -5,7 +5,7 @@ mod support;
 
 mod exact;
 mod exr;
-mod gltf;
+mod imported;
 mod page;
 mod killed;
 mod peers;

@@ -122,12 +122,21 @@ fn read_model(
 ) -> CameraModelDescription {
     const PLACEHOLDER: CameraModelDescription = CameraModelDescription::Orthographic { width: 1.0 };
     let angle = Number::between(0.0, 180.0);
-    let (base_angle, base_width) = match base {
+    let base_angle = match base {
         Some(
             CameraModelDescription::Perspective { fov_degrees } | CameraModelDescription::ThinLens { fov_degrees, .. },
-        ) => (Some(fov_degrees), None),
-        Some(CameraModelDescription::Orthographic { width }) => (None, Some(width)),
-        None => (None, None),
+        ) => Some(fov_degrees),
+        _ => None,
+    };
+    let base_width = match base {
+        Some(CameraModelDescription::Orthographic { width }) => Some(width),
+        _ => None,
+    };
+    let base_lens = match base {
+        Some(CameraModelDescription::ThinLens { lens_radius, focus_distance, .. }) => {
+            [lens_radius, focus_distance].map(Some)
+        }
+        _ => [None; 2],
     };
     let fov_degrees = || as_in_base(section, "fov_degrees", angle, base_angle, 90.0);
     match name {
@@ -138,8 +147,8 @@ fn read_model(
         }
         ModelName::ThinLens => CameraModelDescription::ThinLens {
             fov_degrees: fov_degrees(),
-            lens_radius: section.required("lens_radius", POSITIVE, 1.0),
-            focus_distance: section.required("focus_distance", POSITIVE, 1.0),
+            lens_radius: as_in_base(section, "lens_radius", POSITIVE, base_lens[0], 1.0),
+            focus_distance: as_in_base(section, "focus_distance", POSITIVE, base_lens[1], 1.0),
         },
     }
 }

@@ -1,5 +1,6 @@
-//! Every glTF file of the shared data on both backends: no panic, something to see, the same picture; and a contact sheet of
-//! them all to look at, `gltf.png` in the target folder's `tmp`.
+//! Scenes of other programs on both backends, every glTF file of the shared data and pbrt files for all that is read of them:
+//! no panic, something to see, the same picture; and contact sheets of them all to look at, `gltf.png` and `pbrt.png` in the
+//! target folder's `tmp`.
 
 use std::path::{Path, PathBuf};
 
@@ -12,20 +13,20 @@ use pdembree::render::render;
 use pdembree::scene::settings::BackendKind;
 use pdembree::world::World;
 
-use crate::support::data::shared;
+use crate::support::data::{root, shared};
 
 const SIZE: [u32; 2] = [160, 120];
 const COLUMNS: usize = 6;
 
-/// Files in folders of the shared one, those that are broken on purpose left out.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = |folder: &Path| {
-        let entries = std::fs::read_dir(folder).expect("readable");
-        entries.map(|entry| entry.expect("an entry").path()).collect::<Vec<_>>()
-    };
-    let sound = entries(folder).into_iter().filter(|path| path.is_dir() && !path.ends_with("invalid"));
-    let mut files: Vec<PathBuf> = sound.flat_map(|folder| entries(&folder)).collect();
-    files.retain(|path| path.extension().is_some_and(|e| e == "gltf" || e == "glb"));
+/// What lies in a folder.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).expect("readable");
+    entries.map(|entry| entry.expect("an entry").path()).collect()
+}
+
+/// Files of these kinds, in the order of their names.
+fn of_kind(mut files: Vec<PathBuf>, extensions: &[&str]) -> Vec<PathBuf> {
+    files.retain(|path| path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)));
     files.sort();
     files
 }
@@ -56,11 +57,8 @@ fn paste(sheet: &mut RgbImage, index: usize, image: &Image) {
     image::imageops::replace(sheet, &tile, x as i64 * i64::from(SIZE[0]), y as i64 * i64::from(SIZE[1]));
 }
 
-#[test]
-fn every_shared_gltf_file_renders_alike_on_both_backends() {
-    let Some(folder) = shared("gltf") else { return };
-    let files = files(&folder);
-    assert!(files.len() > 20, "{files:?}");
+/// Renders all of `files` into the sheet of that name.
+fn contact_sheet(name: &str, files: &[PathBuf]) {
     let rows = files.len().div_ceil(COLUMNS) as u32;
     let mut sheet = RgbImage::new(COLUMNS as u32 * SIZE[0], rows * SIZE[1]);
     for (index, path) in files.iter().enumerate() {
@@ -74,7 +72,24 @@ fn every_shared_gltf_file_renders_alike_on_both_backends() {
         }
         paste(&mut sheet, index, &image);
     }
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("gltf.png");
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     sheet.save(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     println!("{} files, top left to bottom right in the order of their names: {}", files.len(), path.display());
+}
+
+#[test]
+fn every_shared_gltf_file_renders_alike_on_both_backends() {
+    let Some(folder) = shared("gltf") else { return };
+    // Those that are broken on purpose are left out.
+    let sound = entries(&folder).into_iter().filter(|path| path.is_dir() && !path.ends_with("invalid"));
+    let files = of_kind(sound.flat_map(|folder| entries(&folder)).collect(), &["gltf", "glb"]);
+    assert!(files.len() > 20, "{files:?}");
+    contact_sheet("gltf.png", &files);
+}
+
+#[test]
+fn pbrt_files_render_alike_on_both_backends() {
+    let files = of_kind(entries(&root().join("tests/corpus/pbrt")), &["pbrt"]);
+    assert_eq!(files.len(), 4, "{files:?}");
+    contact_sheet("pbrt.png", &files);
 }
