@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod animation;
 mod exact;
 mod exr;
 mod gltf;
