@@ -4,6 +4,7 @@
 mod support;
 
 mod animation;
+mod blur_reference;
 mod exact;
 mod exr;
 mod gltf;
