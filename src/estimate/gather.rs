@@ -302,7 +302,7 @@ mod tests {
         let map = map(photons.clone());
         for eye in [[Vec3::ZERO; 2], [Vec3::X * 0.05, Vec3::Y * 0.03]] {
             for kernel in KERNELS {
-                let [coarse, fine] = [300, 600].map(|n| {
+                let [coarse, fine] = [150, 300].map(|n| {
                     let h = 3.0 / f64::from(n);
                     let at = |i: i32| -1.0 + (f64::from(i) + 0.5) * h;
                     let points: Vec<_> =

@@ -38,7 +38,7 @@ mod tests {
     #[test]
     fn sweeps_keep_their_line_and_length_but_for_rounding() {
         for k in 0..500 {
-            let (angle, length) = (0.037 * f64::from(k), (0.05 * f64::from(k) - 16.0).exp2());
+            let (angle, length) = (0.037 * f64::from(k), (0.045 * f64::from(k) - 16.0).exp2());
             let sweep = Vec2::from_angle(angle) * length;
             let read = decode(encode(sweep).expect("in range"));
             assert!(read.perp_dot(sweep).abs() < 4e-4 * length * length, "{sweep} {read}");

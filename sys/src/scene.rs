@@ -57,7 +57,9 @@ impl Interval {
 
     /// As Embree takes it: in [0, 1], outside of which its assertions end the process. A NaN becomes 0.
     pub(crate) fn clamped(self, time: f64) -> f32 {
-        self.place(time).max(0.0).min(1.0) as f32
+        let place = self.place(time);
+        // False for a NaN.
+        if place > 0.0 { place.min(1.0) as f32 } else { 0.0 }
     }
 }
 

@@ -292,13 +292,16 @@ fn a_moving_mesh_is_hit_where_it_is_at_the_rays_time() {
     }
 }
 
+/// Vertices of each frame.
+type Frames<'a> = &'a [&'a [[f32; 3]]];
+
 #[test]
 fn frames_that_do_not_fit_are_refused() {
     let device = support::device();
     let mut builder = SceneBuilder::new(&device).unwrap().over(0.0, 1.0);
     let (four, three): (&[[f32; 3]], &[[f32; 3]]) = (&QUAD.0, &QUAD.0[..3]);
     let many = vec![four; embree4_sys::MAX_TIME_STEPS + 1];
-    let bad: [(&[&[[f32; 3]]], [f64; 2]); 6] = [
+    let bad: [(Frames, [f64; 2]); 6] = [
         (&[four], [0.0, 1.0]),
         (&[four, three], [0.0, 1.0]),
         (&many, [0.0, 1.0]),

@@ -207,7 +207,7 @@ fn a_mesh_of_several_files_changes_its_shape() {
                 "shape = \"sphere\"",
                 "shape = \"mesh\"\nfile = [\"cube.obj\", \"wide_cube.obj\", \"cube.obj\"]\ntimes = [0, 2]",
             )
-            .replace("radius = 0.5\n", "")
+            .replace("centre = [0, 0, 0]\nradius = 0.5\n", "")
             .replace("[0.5, 1.5]", shutter);
         let text: String =
             text.lines().filter(|line| !line.starts_with("motion")).map(|line| format!("{line}\n")).collect();
