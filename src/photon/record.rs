@@ -60,13 +60,16 @@ impl Photon {
     }
     /// A form around all that its kernel can reach, [`Photon::form`] but for sweeps: an ellipse Q swept along D reaches
     /// √(nᵀQn) + |n·D|/2 ≤ √(nᵀ (2 Q + D Dᵀ/2) n) in every direction n.
+    #[inline]
     pub fn outer_form(&self) -> TangentForm {
-        match self.sweep() {
-            None => self.form(),
-            Some(Vec2 { x, y }) => {
-                self.form().scaled(2.0).plus(TangentForm { xx: x * x, xy: x * y, yy: y * y }.scaled(0.5))
-            }
-        }
+        if self.tail & SWEPT == 0 { self.form() } else { self.swept_form() }
+    }
+    /// Out of the way of all that is not swept.
+    #[cold]
+    #[inline(never)]
+    fn swept_form(&self) -> TangentForm {
+        let Vec2 { x, y } = self.sweep().unwrap_or(Vec2::ZERO);
+        self.form().scaled(2.0).plus(TangentForm { xx: x * x, xy: x * y, yy: y * y }.scaled(0.5))
     }
     /// The tangent frame in which a photon on a surface with this normal keeps its footprint: that of the normal as
     /// it is stored, so that reading needs nothing but the record.
