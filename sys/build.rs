@@ -158,12 +158,12 @@ fn generate(place: &Place, header: &Header, out: &Path) -> Result<(), String> {
         .allowlist_function("pde_.*")
         .allowlist_function(
             "rtc((New|Release)(Device|Geometry|Scene)|(Get|Set)DeviceError(Function)?|GetDeviceProperty\
-             |CommitGeometry|SetGeometry(BuildQuality|InstancedScene|Mask|Transform)|SetNewGeometryBuffer\
+             |CommitGeometry|SetGeometry(BuildQuality|InstancedScene|Mask|TimeRange|TimeStepCount|Transform)|SetNewGeometryBuffer\
              |AttachGeometryByID|CommitScene|SetScene(BuildQuality|Flags))",
         )
         .allowlist_type("Pde.*")
         .allowlist_var("PDE_.*")
-        .allowlist_var("RTC_(VERSION(_MAJOR|_STRING)?|ERROR_.*|DEVICE_PROPERTY_VERSION)")
+        .allowlist_var("RTC_(VERSION(_MAJOR|_STRING)?|MAX_TIME_STEP_COUNT|ERROR_.*|DEVICE_PROPERTY_VERSION)")
         .allowlist_var("RTC_(GEOMETRY_TYPE_(TRIANGLE|USER|INSTANCE)|SCENE_FLAG_(NONE|ROBUST)|BUILD_QUALITY_MEDIUM)")
         .allowlist_var("RTC_(BUFFER_TYPE_(INDEX|VERTEX)|FORMAT_(UINT3|FLOAT3|FLOAT3X4_ROW_MAJOR))");
     // bindgen panics where libclang cannot be loaded; the sentence says what to do, the backtrace does not.

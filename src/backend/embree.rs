@@ -13,13 +13,14 @@ use super::geometry::{Geometry, Item, PlacedShape, Triangles, to_object};
 use super::nearest::{Gate, MAX_DIRECTION, MIN_DIRECTION};
 use super::{Backend, BackendError, Query, RawHit, geometry};
 use crate::math::{Bounds3, Motion, Point3, Ray, Transform, Vec3};
-use crate::scene::ObjectId;
+use crate::scene::{ObjectId, Shutter, deformation};
 
 // The gate refuses exactly what Embree's safe layer refuses.
 const _: () = assert!(
     geometry::MAX_COORDINATE == embree4_sys::MAX_COORDINATE
         && MAX_DIRECTION == embree4_sys::MAX_DIRECTION
         && MIN_DIRECTION == embree4_sys::MIN_DIRECTION
+        && deformation::MAX_STEPS == embree4_sys::MAX_TIME_STEPS
 );
 
 /// A committed Embree scene; geometry ids are object ids.
@@ -35,12 +36,15 @@ impl EmbreeBackend {
     /// What Embree refuses: memory, a transform that is singular in f32, too many objects.
     pub fn new(geometry: &Arc<Geometry>) -> Result<EmbreeBackend, BackendError> {
         let device = Device::new().map_err(SceneError::from)?;
-        let shared =
-            geometry.shared.iter().map(|mesh| one_mesh(&device, mesh).map(Arc::new)).collect::<Result<Vec<_>, _>>()?;
-        let mut builder = SceneBuilder::new(&device)?;
+        let shared = geometry
+            .shared
+            .iter()
+            .map(|mesh| one_mesh(&device, mesh, geometry.shutter).map(Arc::new))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut builder = over(SceneBuilder::new(&device)?, geometry.shutter);
         for (object, item) in geometry.objects() {
             match item {
-                Item::Mesh(mesh) => builder.add_mesh(object.0, &mesh.positions, &mesh.triangles)?,
+                Item::Mesh(mesh) => add_triangles(&mut builder, object.0, mesh)?,
                 Item::Instance { mesh, to_world } => {
                     builder.add_instance(object.0, &shared[*mesh], &rows(to_world))?;
                 }
@@ -116,12 +120,23 @@ fn narrowed(ray: &Ray) -> embree4_sys::Ray {
 }
 
 /// A mesh as a scene of its own, for instances.
-fn one_mesh(device: &Device, mesh: &Triangles) -> Result<CommittedScene, SceneError> {
-    let mut builder = SceneBuilder::new(device)?;
+fn one_mesh(device: &Device, mesh: &Triangles, shutter: Shutter) -> Result<CommittedScene, SceneError> {
+    let mut builder = over(SceneBuilder::new(device)?, shutter);
     if !mesh.triangles.is_empty() {
-        builder.add_mesh(0, &mesh.positions, &mesh.triangles)?;
+        add_triangles(&mut builder, 0, mesh)?;
     }
     builder.commit()
+}
+
+fn over(builder: SceneBuilder, shutter: Shutter) -> SceneBuilder {
+    builder.over(shutter.open, shutter.close)
+}
+
+/// A mesh that changes its shape is Embree's own geometry with a buffer of vertices for each frame.
+fn add_triangles(builder: &mut SceneBuilder, id: u32, mesh: &Triangles) -> Result<(), SceneError> {
+    let Some(deformation) = &mesh.deformation else { return builder.add_mesh(id, &mesh.positions, &mesh.triangles) };
+    let frames: Vec<&[[f32; 3]]> = deformation.frames.iter().map(|frame| frame.positions.as_slice()).collect();
+    builder.add_moving_mesh(id, &frames, [deformation.start, deformation.end()], &mesh.triangles)
 }
 
 /// Object → world as three rows.

@@ -3,7 +3,8 @@
 //! Unit: metres. Frames: a mesh that one object uses is baked to world space (f32, as it is stored); a mesh that
 //! several use, or that moves, is kept once in its own space and instanced; exact shapes keep their transform. Rays go into
 //! an object's space in f64 with the length that the inverse transform gives their direction, so `t` keeps its unit. What
-//! moves is where its one f64 motion puts it at the ray's time, in every backend; boxes are around the whole interval.
+//! moves is where its one f64 motion puts it at the ray's time, in every backend; boxes are around the whole interval. A mesh
+//! that changes its shape brings the vertices of all frames along, baked or in its own space as it stands.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,7 +12,8 @@ use std::sync::Arc;
 use super::BackendError;
 use super::triangle::{ShearedRay, TriangleHit};
 use crate::math::{Bounds3, Motion, Point3, Ray, Transform};
-use crate::scene::{MeshId, Object, ObjectGeometry, ObjectId, Scene, Shutter};
+use crate::scene::deformation::VertexFrame;
+use crate::scene::{Deformation, MeshId, Object, ObjectGeometry, ObjectId, Scene, Shutter};
 use crate::shape::Shape;
 
 /// Largest |coordinate| of anything that can be hit, metres: what Embree's f32 products can carry.
@@ -22,19 +24,41 @@ pub const MAX_COORDINATE: f64 = 1e10;
 pub struct Triangles {
     pub positions: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// How positions change, in the same space; `None`: not at all.
+    pub deformation: Option<Arc<Deformation>>,
 }
 
 impl Triangles {
-    /// The three corners of triangle `prim`.
-    pub fn corners(&self, prim: u32) -> [Point3; 3] {
-        self.triangles[prim as usize].map(|i| Point3::from_f32(self.positions[i as usize]))
+    /// The three corners of triangle `prim` at `time`.
+    pub fn corners(&self, prim: u32, time: f64) -> [Point3; 3] {
+        let corners = self.triangles[prim as usize];
+        match &self.deformation {
+            None => corners.map(|i| Point3::from_f32(self.positions[i as usize])),
+            Some(deformation) => deformation.between(time).positions(corners),
+        }
     }
-    /// One box a triangle.
+    /// One box a triangle, around all its places.
     pub fn boxes(&self) -> impl Iterator<Item = Bounds3> {
-        (0..self.triangles.len() as u32).map(|prim| Bounds3::from_points(self.corners(prim)))
+        let of = |prim: u32| {
+            let corners = self.triangles[prim as usize];
+            let places =
+                |positions: &[[f32; 3]]| Bounds3::from_points(corners.map(|i| Point3::from_f32(positions[i as usize])));
+            match &self.deformation {
+                None => places(&self.positions),
+                Some(deformation) => {
+                    let frames = deformation.frames.iter().map(|frame| places(&frame.positions));
+                    frames.fold(Bounds3::EMPTY, Bounds3::union)
+                }
+            }
+        };
+        (0..self.triangles.len() as u32).map(of)
     }
+    /// Around all places.
     pub fn bounds(&self) -> Bounds3 {
-        Bounds3::from_points(self.positions.iter().map(|&p| Point3::from_f32(p)))
+        match &self.deformation {
+            None => Bounds3::from_points(self.positions.iter().map(|&p| Point3::from_f32(p))),
+            Some(deformation) => deformation.bounds(),
+        }
     }
 }
 
@@ -93,6 +117,8 @@ pub struct Geometry {
     pub shared: Vec<Triangles>,
     /// Around item i in the world while the shutter is open, not padded.
     bounds: Vec<Bounds3>,
+    /// When rays fly.
+    pub shutter: Shutter,
 }
 
 impl Geometry {
@@ -109,7 +135,12 @@ impl Geometry {
         }
         let shared_ids: Vec<MeshId> = uses.iter().filter(|&(_, &count)| count > 1).map(|(&mesh, _)| mesh).collect();
         let shared = shared_ids.iter().map(|mesh| in_own_space(scene, *mesh)).collect();
-        let mut geometry = Geometry { items: Vec::with_capacity(scene.objects.len()), shared, bounds: Vec::new() };
+        let mut geometry = Geometry {
+            items: Vec::with_capacity(scene.objects.len()),
+            shared,
+            bounds: Vec::new(),
+            shutter: scene.shutter,
+        };
         for object in &scene.objects {
             let motion = object.motion.clone();
             let item = match &object.geometry {
@@ -174,7 +205,7 @@ pub fn to_object(to_world: &Transform, ray: &Ray) -> Ray {
 
 /// The f64 test of one triangle for a ray that is already in the mesh's space.
 pub(super) fn hit_triangle(ray: &ShearedRay, mesh: &Triangles, prim: u32, end: f64) -> Option<TriangleHit> {
-    ray.intersect(mesh.corners(prim), end)
+    ray.intersect(mesh.corners(prim, ray.time()), end)
 }
 
 /// The smallest f32 box around an f64 one, lower and upper corner.
@@ -185,14 +216,27 @@ pub(super) fn outward(b: Bounds3) -> ([f32; 3], [f32; 3]) {
 
 fn in_own_space(scene: &Scene, mesh: MeshId) -> Triangles {
     let mesh = &scene.meshes[mesh.index()];
-    Triangles { positions: mesh.positions.clone(), triangles: mesh.triangles.clone() }
+    // A mesh says at `Interaction` how its normals turn; here they are ballast.
+    let bare = |deformation: &Deformation| {
+        let frames =
+            deformation.frames.iter().map(|frame| VertexFrame { positions: frame.positions.clone(), normals: vec![] });
+        Arc::new(Deformation { frames: frames.collect(), ..*deformation })
+    };
+    let deformation = mesh.deformation.as_deref().map(bare);
+    Triangles { positions: mesh.positions.clone(), triangles: mesh.triangles.clone(), deformation }
 }
 
 fn baked(scene: &Scene, mesh: MeshId, to_world: &Transform) -> Triangles {
     let mut triangles = in_own_space(scene, mesh);
     if !to_world.is_identity() {
-        for p in &mut triangles.positions {
-            *p = to_world.point(Point3::from_f32(*p)).to_array().map(|x| x as f32);
+        let place = |positions: &mut Vec<[f32; 3]>| {
+            for p in positions {
+                *p = to_world.point(Point3::from_f32(*p)).to_array().map(|x| x as f32);
+            }
+        };
+        place(&mut triangles.positions);
+        if let Some(deformation) = &mut triangles.deformation {
+            Arc::make_mut(deformation).frames.iter_mut().for_each(|frame| place(&mut frame.positions));
         }
     }
     triangles

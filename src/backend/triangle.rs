@@ -30,6 +30,7 @@ pub struct ShearedRay {
     /// d_x/d_z, d_y/d_z, 1/d_z of the permuted direction [Woop13 3.1].
     shear: [f64; 3],
     t_min: f64,
+    time: f64,
 }
 
 impl ShearedRay {
@@ -43,7 +44,13 @@ impl ShearedRay {
             axes: [x, y, z],
             shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]],
             t_min: ray.t_min,
+            time: ray.time,
         }
+    }
+
+    /// When it flies.
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
     /// The hit with t in (t_min of the ray, `end`), from either side.

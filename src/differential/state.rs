@@ -85,6 +85,10 @@ impl<const N: usize> Differential<N> {
     pub fn scaled_each(&self, s: [f64; N]) -> Differential<N> {
         Differential { dx: self.dx.scaled_each(Lanes(s)), dw: self.dw.scaled_each(Lanes(s)) }
     }
+    /// Every vector through a linear map.
+    pub fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Differential<N> {
+        Differential::new(self.columns().map(|c| Column { dx: map(c.dx), dw: map(c.dw) }))
+    }
     pub fn is_finite(&self) -> bool {
         self.dx.is_finite() && self.dw.is_finite()
     }

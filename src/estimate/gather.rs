@@ -291,6 +291,35 @@ mod tests {
         }
     }
 
+    /// The same of footprints that are swept, however far; and no tree loses what a swept kernel reaches.
+    #[test]
+    fn swept_footprints_keep_the_photons_flux() {
+        let mut s = Stream::new(6, Purpose::Test, 0, 0);
+        let sweep = |k: usize| Vec2::from_angle(k as f64) * 0.9 * (k as f64 / 11.0).powi(2);
+        let swept = |(k, photon): (usize, Photon)| photon.over(sweep(k)).unwrap_or(photon);
+        let photons: Vec<Photon> = random_photons(12).into_iter().enumerate().map(swept).collect();
+        assert_eq!(photons.iter().filter(|photon| photon.sweep().is_some()).count(), 11);
+        let map = map(photons.clone());
+        for eye in [[Vec3::ZERO; 2], [Vec3::X * 0.05, Vec3::Y * 0.03]] {
+            for kernel in KERNELS {
+                let [coarse, fine] = [150, 300].map(|n| {
+                    let h = 3.0 / f64::from(n);
+                    let at = |i: i32| -1.0 + (f64::from(i) + 0.5) * h;
+                    let points: Vec<_> =
+                        (0..n * n).map(|i| point(Point3::new(at(i % n), at(i / n), 0.0), Normal3::Z, eye)).collect();
+                    gather(&map, kernel, &points).iter().map(|g| PI * g.radiance.0.r() * h * h).sum::<f64>()
+                });
+                let tolerance = 2.0 * (fine - coarse).abs() + 1e-6;
+                assert!((fine - 12.0).abs() < tolerance.max(0.01), "{}: {fine} ± {tolerance}", kernel.name());
+                let place = Point3::new(s.uniform(), s.uniform(), 0.0);
+                let here = point(place, Normal3::Z, eye);
+                let all: f64 = photons.iter().map(|photon| pair::weight(photon, kernel, &here)).sum();
+                let found = gather(&map, kernel, &[here])[0].density;
+                assert!((found - all).abs() <= 1e-5 * all, "{}: {found}, not {all}", kernel.name());
+            }
+        }
+    }
+
     /// Over all numbers that can be drawn, the mean of the strata's answers is what all photons say together.
     #[test]
     fn slices_answer_for_all_photons_in_the_mean() {

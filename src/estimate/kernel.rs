@@ -59,6 +59,24 @@ pub fn variance(kernel: KernelShape) -> f64 {
     }
 }
 
+/// ∫₀¹ K(r²) dr: what a segment of unit length adds to the kernel's integral when it is swept along it, for each unit of its
+/// width across. π times it is the c of the swept area A₀ + c l |D| (PHOTON_DIFFERENTIALS 7).
+pub fn line_integral(kernel: KernelShape) -> f64 {
+    match kernel {
+        KernelShape::Uniform => 1.0 / PI,
+        KernelShape::Cone => 3.0 / (2.0 * PI),
+        KernelShape::Epanechnikov => 4.0 / (3.0 * PI),
+        KernelShape::Biweight => 8.0 / (5.0 * PI),
+        KernelShape::Triweight => 64.0 / (35.0 * PI),
+        KernelShape::Gaussian => {
+            // erf(1/(√2 σ)) of σ = 1/3.
+            const ERF: f64 = 0.997_300_203_936_740;
+            let mass = 1.0 - (-0.5 / (GAUSSIAN_WIDTH * GAUSSIAN_WIDTH)).exp();
+            (0.5 * PI).sqrt() * ERF / (2.0 * PI * GAUSSIAN_WIDTH * mass)
+        }
+    }
+}
+
 /// Whether the kernel vanishes at the edge of its support; a k-nearest estimate with one that does not must leave out
 /// the k-th photon itself.
 pub fn vanishes_at_edge(kernel: KernelShape) -> bool {
@@ -104,6 +122,8 @@ mod tests {
             // Per axis: half of the mean of r².
             let moment = 0.5 * radial_integral(kernel, |r| r * r);
             assert!((moment - variance(kernel)).abs() < 1e-9, "{}", kernel.name());
+            let line = radial_integral(kernel, |r| 0.5 / (PI * r));
+            assert!((line - line_integral(kernel)).abs() < 1e-9, "{}", kernel.name());
         }
     }
 

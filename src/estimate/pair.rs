@@ -6,7 +6,7 @@
 
 use super::gather::GatherPoint;
 use super::kernel;
-use crate::math::Dir3;
+use crate::math::{Dir3, Vec2};
 use crate::photon::Photon;
 use crate::photon::footprint::TangentForm;
 use crate::photon::record::MIN_NORMAL_COSINE;
@@ -26,12 +26,29 @@ pub fn weight(photon: &Photon, kernel: KernelShape, point: &GatherPoint) -> f64 
     let (frame, slide) = (photon.frame(), photon.slide());
     let form = photon.form().plus(TangentForm::from_axes(&frame, point.eye));
     let determinant = form.determinant();
-    let distance = form.adjugate_form(frame.project(o - slide * height));
+    let d = frame.project(o - slide * height);
+    let (distance, swept) = match photon.sweep() {
+        None => (form.adjugate_form(d), 0.0),
+        Some(sweep) => over_segment(&form, kernel, d, sweep),
+    };
     // Neither without area nor out of reach; false for NaN.
     if !(determinant > 0.0 && distance < determinant) {
         return 0.0;
     }
-    kernel::evaluate(kernel, distance / determinant) / determinant.sqrt() * point.ng.dot(slide).abs()
+    kernel::evaluate(kernel, distance / determinant) / (determinant.sqrt() + swept) * point.ng.dot(slide).abs()
+}
+
+/// Of the kernel that is swept over the segment of half `sweep` to both sides: dᵀ adj Q d from the segment's nearest point,
+/// and what the sweep adds to √det Q `[Schjoth11]`.
+///
+/// The points within r of the segment, by dᵀ Q⁻¹ d ≤ r², are the ellipse of size r swept along D, of the area
+/// π r² √det Q + r l |D|, where l |D| = 2 √(Dᵀ adj Q D) is its width across times the way. So the integral of K is
+/// √det Q + l |D| ∫₀¹ K(r²) dr, which 2011's area has for the uniform kernel only.
+fn over_segment(form: &TangentForm, kernel: KernelShape, d: Vec2, sweep: Vec2) -> (f64, f64) {
+    let along = form.adjugate_form(sweep);
+    let place = if along > 0.0 { (form.adjugate_between(sweep, d) / along).clamp(-0.5, 0.5) } else { 0.0 };
+    let swept = 2.0 * along.max(0.0).sqrt() * kernel::line_integral(kernel);
+    (form.adjugate_form(d - sweep * place), swept)
 }
 
 /// f Φ, with the cosine of the shading normal in place of the geometric one that the footprint's area has.

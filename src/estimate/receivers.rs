@@ -105,6 +105,11 @@ impl<'a> Receivers<'a> {
         &self.points[self.order[block * WIDTH + lane] as usize]
     }
 
+    /// How many of a block's lanes have a point.
+    pub fn lanes(&self, block: usize) -> usize {
+        (self.order.len() - block * WIDTH).min(WIDTH)
+    }
+
     /// Adds what was gathered for each point, times its weight, to the list of all points.
     pub fn add_to(&self, gathered: &mut [Gathered], weight: impl Fn(&GatherPoint) -> f64) {
         for (place, &i) in self.order.iter().enumerate() {

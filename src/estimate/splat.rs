@@ -49,6 +49,9 @@ pub struct Splat<'a> {
     minor: f32,
     /// How far over the photon's plane its light reaches, m.
     thickness: f32,
+    /// Whether the kernel is swept along a segment: then what is here of it is around all that it reaches, and each point
+    /// is weighed by itself.
+    is_swept: bool,
     /// What limits |d_x|, |d_y| and the height for boxes that may be reached.
     limits: [f32; 3],
 }
@@ -56,7 +59,7 @@ pub struct Splat<'a> {
 impl<'a> Splat<'a> {
     pub fn new(photon: &'a Photon, kernel: KernelShape) -> Splat<'a> {
         let (frame, slide) = (photon.frame(), photon.slide());
-        let ([minor, major], along) = photon.form().principal();
+        let ([minor, major], along) = photon.outer_form().principal();
         let axes = [frame.t * along.x + frame.b * along.y, frame.b * along.x - frame.t * along.y];
         let unit = major.max(SMALLEST_UNIT_SQUARED).sqrt();
         let scaled = axes.map(|axis| axis / unit);
@@ -76,6 +79,7 @@ impl<'a> Splat<'a> {
             wi: narrow(photon.wi()),
             flux: photon.flux().0.to_array().map(|c| c as f32),
             minor: minor as f32,
+            is_swept: photon.sweep().is_some(),
             thickness,
             // Boxes hold the eye's footprints: an axis of the sum of both is not longer than the sum of their axes.
             limits: [square[0].sqrt(), square[1].sqrt(), thickness].map(|limit| limit * (1.0 + MARGIN)),
@@ -198,6 +202,26 @@ impl<'a> Splat<'a> {
         }
     }
 
+    /// As [`Splat::add`], of a swept footprint.
+    fn add_swept(&self, part: Part, receivers: &mut Receivers, b: usize) {
+        for lane in 0..receivers.lanes(b) {
+            let is_wide = self.minor > receivers.blocks[b].shared_above[lane];
+            if part != Part::Whole && is_wide != (part == Part::Wide) {
+                continue;
+            }
+            let point = receivers.point(b, lane);
+            let weight = pair::weight(self.photon, self.kernel, point);
+            if weight > 0.0 {
+                let reflected = pair::reflected(self.photon, point) * weight;
+                let sums = &mut receivers.sums[b];
+                for (channel, value) in sums.radiance.iter_mut().zip(reflected.to_array()) {
+                    channel[lane] += value;
+                }
+                sums.density[lane] += weight;
+            }
+        }
+    }
+
     /// As [`Splat::add`], for the other lanes.
     fn add_uneven(&self, weights: &Eight, receivers: &mut Receivers, b: usize) {
         for lane in receivers.blocks[b].uneven.filter(|lane| weights[lane] > 0.0) {
@@ -244,10 +268,15 @@ impl NullaryFnOnce for Splatting<'_, '_> {
     fn call(self) {
         let Splatting { splat, part, receivers } = self;
         let Receivers { tree, blocks, sums, weighed, .. } = receivers;
-        let mut over = OverBlocks { splat, part, blocks, sums, weighed, uneven: Vec::new() };
+        let (uneven, swept) = (Vec::new(), Vec::new());
+        let mut over = OverBlocks { splat, part, blocks, sums, weighed, uneven, swept };
         tree.lead(&mut over);
-        for (b, weights) in over.uneven {
+        let OverBlocks { uneven, swept, .. } = over;
+        for (b, weights) in uneven {
             splat.add_uneven(&weights, receivers, b);
+        }
+        for b in swept {
+            splat.add_swept(part, receivers, b);
         }
     }
 }
@@ -261,6 +290,8 @@ struct OverBlocks<'a> {
     weighed: &'a mut u64,
     /// Blocks with BSDFs that have to be asked.
     uneven: Vec<(usize, Eight)>,
+    /// Blocks that a swept footprint may reach.
+    swept: Vec<usize>,
 }
 
 impl Visitor for OverBlocks<'_> {
@@ -274,6 +305,10 @@ impl Visitor for OverBlocks<'_> {
             return ControlFlow::Continue(());
         }
         *self.weighed += WIDTH as u64;
+        if self.splat.is_swept {
+            self.swept.push(b);
+            return ControlFlow::Continue(());
+        }
         if let Some(weights) = self.splat.weights(&self.blocks[b], self.part) {
             self.splat.add(&weights, &self.blocks[b], &mut self.sums[b]);
             if self.blocks[b].uneven.any() {

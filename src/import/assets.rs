@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::image::{self, ColourSpace};
 use super::mesh_file::{MeshFile, MeshMaterial, MeshMaterialModel, Part};
-use super::{obj, ply};
+use super::{animated, obj, ply};
 use crate::scene::description::{
     MaterialDescription, MaterialModel, MeshDescription, Parameter, Reference, TextureDescription,
 };
@@ -14,6 +14,9 @@ use crate::scene::texture::Wrap;
 
 /// A mesh file and what is asked for its normals.
 type MeshKey = (PathBuf, Option<bool>);
+
+/// Mesh files of the frames, the bits of the first's and the last's time, and what is asked for normals.
+type AnimatedKey = (Vec<PathBuf>, [u64; 2], Option<bool>);
 
 /// What was read so far. A file that failed is reported by its first use only; its later uses get an empty error.
 pub(crate) struct Assets {
@@ -24,6 +27,7 @@ pub(crate) struct Assets {
     pub materials: Vec<MaterialDescription>,
     texture_index: HashMap<(PathBuf, Option<ColourSpace>, Wrap), Option<usize>>,
     mesh_index: HashMap<MeshKey, Option<usize>>,
+    animated_index: HashMap<AnimatedKey, Option<usize>>,
     part_index: HashMap<MeshKey, Option<Vec<(usize, Reference)>>>,
 }
 
@@ -37,6 +41,7 @@ impl Assets {
             materials: Vec::new(),
             texture_index: HashMap::new(),
             mesh_index: HashMap::new(),
+            animated_index: HashMap::new(),
             part_index: HashMap::new(),
         }
     }
@@ -70,6 +75,29 @@ impl Assets {
         let read = read_mesh(&key.0, smooth, false, used_at);
         self.mesh_index.insert(key, read.is_ok().then_some(self.meshes.len()));
         let MeshFile { source, mesh, triangle_lines, .. } = read?;
+        self.meshes.push(MeshDescription { source, mesh, triangle_lines });
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// The index of a mesh whose shapes are `files`, two at least, at equal intervals between the two `times`; read if it is
+    /// new.
+    pub fn animated_mesh(
+        &mut self,
+        files: &[String],
+        times: [f64; 2],
+        smooth: Option<bool>,
+        used_at: &Source,
+    ) -> Result<usize, Problems> {
+        let paths: Vec<PathBuf> = files.iter().map(|file| self.folder.join(file)).collect();
+        let key = (paths, times.map(f64::to_bits), smooth);
+        if let Some(known) = self.animated_index.get(&key) {
+            return known.ok_or_else(Problems::default);
+        }
+        let read = animated::read(&key.0, times, |path| read_mesh(path, smooth, false, used_at));
+        self.animated_index.insert(key, read.is_ok().then_some(self.meshes.len()));
+        let placed =
+            |problems: Problems| Problems(problems.0.into_iter().map(|p| p.at_unless_placed(used_at)).collect());
+        let MeshFile { source, mesh, triangle_lines, .. } = read.map_err(placed)?;
         self.meshes.push(MeshDescription { source, mesh, triangle_lines });
         Ok(self.meshes.len() - 1)
     }

@@ -3,6 +3,7 @@
 //! The parsers of this module end at the description: only [`load`], the one door for everybody who renders a file,
 //! knows assembly too.
 
+mod animated;
 mod assets;
 pub mod gltf;
 mod ignored;

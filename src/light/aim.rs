@@ -1,6 +1,7 @@
 //! Directions from a point towards where light is wanted · world frame, radians.
 
 use super::Aim;
+use crate::differential::Column;
 use crate::math::{Dir3, Frame, Point3, Vec3};
 use crate::radiometry::{Pdf, SolidAngle};
 use crate::sampling::warp::{UniformCone, UniformSphere, Warp};
@@ -50,6 +51,14 @@ impl SphereCone {
         let opening = self.cone.frame.to_world(self.cone.warp.height_derivative(local)) * dheight;
         axes[0] * local.x + axes[1] * local.y + axes[2] * local.z + opening
     }
+}
+
+/// How the direction over the sample `u` from `x` into the aim's cone changes as the aim's sphere goes by `step`: as if
+/// `x` went the other way, but for `x` itself. Zero from inside the sphere.
+pub(super) fn following(x: Point3, aim: &Aim, u: [f64; 2], step: Vec3) -> Column {
+    let Aim::Sphere { centre, radius } = *aim else { return Column::ZERO };
+    let turned = |towards: SphereCone| Column::direction(towards.turning(towards.cone.warp.sample(u), -step));
+    SphereCone::new(x, centre, radius).map_or(Column::ZERO, turned)
 }
 
 impl Cone {

@@ -1,9 +1,15 @@
 //! The lights of a scene, ready to emit.
 
+use super::motion::LightMotion;
 use super::select::pick_weights;
-use super::{AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, SceneSphere, SpotLight};
-use crate::radiometry::{Intensity, Irradiance, Radiance};
+use super::{
+    Aim, AreaLight, DirectionalLight, Emission, EnvironmentLight, Light, LightSample, PointLight, SceneSphere,
+    SpotLight,
+};
+use crate::math::{Dir3, Normal3, Point3};
+use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
 use crate::sampling::discrete::DiscreteTable;
+use crate::scene::light::BeamExtent;
 use crate::scene::{LightId, LightSource, ObjectGeometry, ObjectId, Scene};
 
 /// A light of the scene that cannot emit.
@@ -24,6 +30,8 @@ pub enum LightError {
 #[derive(Debug)]
 pub struct Lights {
     lights: Vec<Box<dyn Light>>,
+    /// Of those that move; empty if none does.
+    motions: Vec<Option<LightMotion>>,
     /// What shadow rays choose from.
     pub(super) picks: Option<DiscreteTable>,
     environments: Vec<LightId>,
@@ -49,7 +57,13 @@ impl Lights {
             .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. }))
             .map(|i| LightId(i as u32))
             .collect();
-        Ok(Lights { lights, picks: DiscreteTable::new(&pick_weights(&powers)), environments, scene: sphere })
+        Ok(Lights {
+            lights,
+            motions: motions(scene, sphere),
+            picks: DiscreteTable::new(&pick_weights(&powers)),
+            environments,
+            scene: sphere,
+        })
     }
 
     pub fn len(&self) -> usize {
@@ -58,9 +72,33 @@ impl Lights {
     pub fn is_empty(&self) -> bool {
         self.lights.is_empty()
     }
-    /// The light of an id of the same scene.
+    /// The light of an id of the same scene; one that moves is where it is in the middle of the shutter's interval.
     pub fn get(&self, id: LightId) -> &dyn Light {
         self.lights[id.index()].as_ref()
+    }
+    fn motion(&self, id: LightId) -> Option<&LightMotion> {
+        self.motions.get(id.index())?.as_ref()
+    }
+    /// [`Light::emit`] of a light at a time.
+    pub fn emit(&self, id: LightId, u: [f64; 4], aim: &Aim, time: f64) -> Option<Emission> {
+        match self.motion(id) {
+            None => self.get(id).emit(u, aim),
+            Some(motion) => motion.emit(self.get(id), u, aim, time),
+        }
+    }
+    /// [`Light::sample_li`] of a light at a time.
+    pub fn sample_li(&self, id: LightId, p: Point3, u: [f64; 2], time: f64) -> Option<LightSample> {
+        match self.motion(id) {
+            None => self.get(id).sample_li(p, u),
+            Some(motion) => motion.sample_li(self.get(id), p, u, time),
+        }
+    }
+    /// [`Light::pdf_li`] of a light at a time, which is met at `on_light`, a point and its outward geometric normal.
+    pub fn pdf_li(&self, id: LightId, p: Point3, wi: Dir3, on_light: (Point3, Normal3), time: f64) -> Pdf<SolidAngle> {
+        match self.motion(id) {
+            None => self.get(id).pdf_li(p, wi, on_light.0, on_light.1),
+            Some(motion) => motion.pdf_li(self.get(id), p, wi, on_light, time),
+        }
     }
     pub fn iter(&self) -> impl Iterator<Item = (LightId, &dyn Light)> {
         self.lights.iter().enumerate().map(|(i, light)| (LightId(i as u32), light.as_ref()))
@@ -74,6 +112,20 @@ impl Lights {
     pub fn environments(&self) -> impl Iterator<Item = (LightId, &dyn Light)> {
         self.environments.iter().map(|&id| (id, self.get(id)))
     }
+}
+
+/// How the scene's lights move, by their number; nothing if none does.
+fn motions(scene: &Scene, sphere: SceneSphere) -> Vec<Option<LightMotion>> {
+    let of = |(i, source): (usize, &LightSource)| {
+        let motion = match source {
+            LightSource::Area { object, .. } => scene.objects[object.index()].motion.clone(),
+            _ => scene.light_motions.get(i).cloned().flatten(),
+        };
+        let unbounded = matches!(source, LightSource::Directional { extent: BeamExtent::Unbounded, .. });
+        motion.map(|motion| LightMotion::new(motion, scene.shutter.middle(), unbounded.then_some(sphere)))
+    };
+    let motions: Vec<Option<LightMotion>> = scene.lights.iter().enumerate().map(of).collect();
+    if motions.iter().all(Option::is_none) { Vec::new() } else { motions }
 }
 
 /// The sphere around the scene's objects; of radius zero if there are none.

@@ -192,7 +192,20 @@ impl Light for DirectionalLight {
             pdf_a: Some(Pdf::new(1.0 / area)),
             pdf_w: None,
             jacobian: Differential::new([Column::position(dx_du), Column::position(dx_dv), Column::ZERO, Column::ZERO]),
+            motion: Column::ZERO,
         })
+    }
+
+    /// Points are drawn from the aim's disk if that is the smaller one.
+    fn following(&self, _: [f64; 4], aim: &Aim, step: Vec3) -> Column {
+        let Aim::Sphere { .. } = aim else { return Column::ZERO };
+        let from_aim = match (&self.section, self.patch(aim)) {
+            (_, None) => false,
+            (None, Some(_)) => true,
+            (Some(own), Some((patch, _))) => patch != *own,
+        };
+        let across = step - self.direction * self.direction.dot(step);
+        if from_aim { Column::position(across) } else { Column::ZERO }
     }
 
     fn emission_inverse(&self, origin: Point3, _: Dir3, aim: &Aim) -> Option<[f64; 4]> {

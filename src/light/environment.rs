@@ -44,6 +44,7 @@ impl Light for EnvironmentLight {
             pdf_a: Some(Pdf::new(1.0 / (PI * aimed.radius * aimed.radius))),
             pdf_w: Some(UniformSphere.pdf(direction)),
             jacobian: Differential::new([position[0], position[1], turning[0], turning[1]]),
+            motion: Column::ZERO,
         })
     }
 

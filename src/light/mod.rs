@@ -8,6 +8,7 @@ mod area;
 mod assemble;
 mod directional;
 mod environment;
+mod motion;
 mod point;
 pub mod select;
 mod spot;
@@ -47,6 +48,8 @@ pub struct Emission {
     /// Jacobian of the emission map: columns ∂(x, ω)/∂(u, v, θ, φ) per unit of the sample square. Columns that the
     /// source does not have (positions of a point, directions of a beam) are zero.
     pub jacobian: Differential<4>,
+    /// ∂(x, ω)/∂t per second over the same sample; zero for what stands still.
+    pub motion: Column,
 }
 
 impl Emission {
@@ -83,6 +86,12 @@ pub trait Light: Send + Sync + std::fmt::Debug {
     /// The ray over the sample `u` = (u, v, θ, φ) that can reach the aim, with densities by area and by solid angle.
     /// `None` is a sample of zero flux: it counts as emitted.
     fn emit(&self, u: [f64; 4], aim: &Aim) -> Option<Emission>;
+
+    /// How the ray over the sample `u` changes as the middle of the aim's sphere goes by `step`: of lights that draw their
+    /// rays towards it. Zero for others.
+    fn following(&self, _u: [f64; 4], _aim: &Aim, _step: Vec3) -> Column {
+        Column::ZERO
+    }
 
     /// The sample that [`Light::emit`] maps to this ray; zero for coordinates that the source does not use. `None`
     /// for rays that it never makes. Searches, in lights made of many triangles.

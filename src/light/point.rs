@@ -1,8 +1,9 @@
 //! The isotropic point source · W/sr · columns: no position, directions of the sphere's or the aim's map.
 
-use super::aim::Directions;
+use super::aim::{self, Directions};
 use super::{Aim, Emission, Light, LightSample, direction_columns};
-use crate::math::{Dir3, Normal3, Point3};
+use crate::differential::Column;
+use crate::math::{Dir3, Normal3, Point3, Vec3};
 use crate::radiometry::{Flux, Intensity, Pdf, Radiance, SolidAngle};
 
 /// The same intensity in all directions.
@@ -29,7 +30,12 @@ impl Light for PointLight {
             pdf_a: None,
             pdf_w: Some(directions.pdf()),
             jacobian: direction_columns(columns),
+            motion: Column::ZERO,
         })
+    }
+
+    fn following(&self, u: [f64; 4], aim: &Aim, step: Vec3) -> Column {
+        aim::following(self.position, aim, [u[2], u[3]], step)
     }
 
     fn emission_inverse(&self, _: Point3, direction: Dir3, aim: &Aim) -> Option<[f64; 4]> {

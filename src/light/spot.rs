@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::aim::{Cone, Directions};
+use super::aim::{self, Cone, Directions};
 use super::{Aim, Emission, Light, LightSample, direction_columns};
-use crate::math::{Dir3, Frame, Normal3, Point3};
+use crate::differential::Column;
+use crate::math::{Dir3, Frame, Normal3, Point3, Vec3};
 use crate::radiometry::{Flux, Intensity, Pdf, Radiance, SolidAngle};
 use crate::sampling::warp::UniformCone;
 
@@ -128,7 +129,17 @@ impl Light for SpotLight {
             pdf_a: None,
             pdf_w: Some(cone.pdf()),
             jacobian: direction_columns(columns),
+            motion: Column::ZERO,
         })
+    }
+
+    fn following(&self, u: [f64; 4], aim: &Aim, step: Vec3) -> Column {
+        match Directions::towards(self.position, aim) {
+            Directions::Cone(aimed) if self.directions(aim).0 == aimed => {
+                aim::following(self.position, aim, [u[2], u[3]], step)
+            }
+            _ => Column::ZERO,
+        }
     }
 
     fn emission_inverse(&self, _: Point3, direction: Dir3, aim: &Aim) -> Option<[f64; 4]> {

@@ -154,7 +154,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         TimeResolution::Auto => "auto".into(),
         TimeResolution::Cells(count) => count.into(),
     };
-    let all: [(&str, serde_json::Value); 21] = [
+    let all: [(&str, serde_json::Value); 22] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -173,6 +173,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("k", settings.k.into()),
         ("radius", radius),
         ("time_cells", time_cells),
+        ("time_kernel", settings.time_kernel.name().into()),
         ("max_depth", settings.max_depth.into()),
         ("max_bounces", settings.max_bounces.into()),
         ("layers", layers.into()),

@@ -5,7 +5,10 @@
 //! roulette leaves fewer of them to share the rays, not the time; a surface that scatters draws a direction anew, not a time.
 
 use crate::differential::health::MAX_SPREAD;
-use crate::differential::{Differential, Refraction, SurfaceMotion, narrowed, reflect, refract, time, transfer};
+use crate::differential::{
+    Column, Differential, Refraction, SurfaceMotion, narrowed, reflect, refract, time, transfer,
+};
+use crate::light::Emission;
 use crate::math::{Dir3, Normal3};
 use crate::surface::Interaction;
 
@@ -18,9 +21,11 @@ pub struct Columns<const N: usize, const T: usize> {
 }
 
 impl<const N: usize, const T: usize> Columns<N, T> {
-    /// Of a source that stands still, with this Jacobian.
-    pub fn emitted(jacobian: &Differential<4>) -> Self {
-        Columns { cell: jacobian.first(), time: Differential::ZERO }
+    /// Of a photon that stands for a time cell of this length, s.
+    pub fn emitted(emission: &Emission, time_cell: f64) -> Self {
+        let Column { dx, dw } = emission.motion;
+        let time = Differential::new([Column { dx: dx * time_cell, dw: dw * time_cell }; T]);
+        Columns { cell: emission.jacobian.first(), time }
     }
     /// Moved along `w` to the surface that it meets.
     pub fn transferred(&self, w: Dir3, si: &Interaction, surface: &SurfaceMotion) -> Self {

@@ -218,7 +218,6 @@ impl EmissionUnit {
     /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that
     /// carry no flux count, but `photon` does not get them.
     pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
-        let light = lights.get(self.light);
         let mut emitted = 0;
         for i in self.range.clone() {
             let mut stream = self.points.stream(i);
@@ -228,8 +227,8 @@ impl EmissionUnit {
                 continue;
             }
             emitted += 1;
-            if let Some(emission) = light.emit(u, aim).filter(|e| !e.flux.is_zero()) {
-                let time = self.points.time(i, &mut stream);
+            let time = self.points.time(i, &mut stream);
+            if let Some(emission) = lights.emit(self.light, u, aim, time).filter(|e| !e.flux.is_zero()) {
                 photon(&self.points.share(emission, keep), time, &mut stream);
             }
         }

@@ -79,6 +79,10 @@ impl TangentForm {
     pub fn adjugate_form(&self, d: Vec2) -> f64 {
         self.yy * d.x * d.x - 2.0 * self.xy * d.x * d.y + self.xx * d.y * d.y
     }
+    /// cᵀ Q⁻¹ d · det Q.
+    pub fn adjugate_between(&self, c: Vec2, d: Vec2) -> f64 {
+        self.yy * c.x * d.x - self.xy * (c.x * d.y + c.y * d.x) + self.xx * c.y * d.y
+    }
     /// Squared semi-axes, ascending, and the direction of the longer one in (t, b). In closed form: every photon that is
     /// splatted asks for it. The smaller one comes from the determinant, where their difference would have cancelled.
     pub fn principal(&self) -> ([f64; 2], Vec2) {

@@ -203,7 +203,7 @@ fn coverage(photons: &[Photon], ranks: &[u32]) -> f64 {
 
 /// Around every point that the footprint may light: the ellipse, and what slides into it from both sides.
 fn footprint_box(photon: &Photon) -> OuterBox {
-    let ellipse = photon.form().world_half_extents(&photon.frame());
+    let ellipse = photon.outer_form().world_half_extents(&photon.frame());
     OuterBox::new(photon.position(), ellipse + photon.slide().abs() * photon.thickness())
 }
 

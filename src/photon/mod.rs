@@ -14,6 +14,7 @@ pub mod path;
 pub mod record;
 pub mod share;
 pub mod survey;
+pub mod sweep;
 pub mod time_cells;
 pub mod trace;
 

@@ -1,7 +1,7 @@
 //! A stored photon in storage precision: 64 bytes, one cache line.
 
 use super::footprint::TangentForm;
-use crate::math::{Dir3, Frame, Normal3, Point3, Vec3, float};
+use crate::math::{Dir3, Frame, Normal3, Point3, Vec2, Vec3, float};
 use crate::radiometry::{Flux, Spectrum};
 
 /// A photon where it met a surface that scatters.
@@ -17,9 +17,14 @@ pub struct Photon {
     normal: [f32; 3],
     /// (xx, xy, yy) in the frame that [`Frame::from_unit`] makes of the stored normal.
     form: [f32; 3],
-    /// How often a surface scattered it on its way.
-    bounces: u32,
+    /// How often a surface scattered it on its way; with [`SWEPT`], that in the lowest 7 bits and its sweep in the others.
+    tail: u32,
 }
+
+/// Says that a record has a sweep.
+const SWEPT: u32 = 1 << 31;
+/// Bounces that a record with a sweep has room for.
+const MAX_SWEPT_BOUNCES: u32 = 127;
 
 /// A receiver of radius of curvature R rises by h²/2R over a footprint of width h: a tenth covers h up to R/5.
 const THICKNESS: f64 = 0.1;
@@ -40,8 +45,31 @@ impl Photon {
             wi: wi.as_vec3().to_array(),
             normal: normal.as_vec3().to_array(),
             form: [form.xx as f32, form.xy as f32, form.yy as f32],
-            bounces,
+            tail: bounces & !SWEPT,
         }
+    }
+    /// With the segment over which its light is swept, to either side, in the axes of [`Photon::frame_of`]; `None` where
+    /// there is no room for that.
+    pub fn over(self, sweep: Vec2) -> Option<Photon> {
+        let code = super::sweep::encode(sweep).filter(|_| self.tail <= MAX_SWEPT_BOUNCES)?;
+        Some(Photon { tail: SWEPT | code << 7 | self.tail, ..self })
+    }
+    /// The segment, if it has one.
+    pub fn sweep(&self) -> Option<Vec2> {
+        (self.tail & SWEPT != 0).then(|| super::sweep::decode(self.tail >> 7 & 0xff_ffff))
+    }
+    /// A form around all that its kernel can reach, [`Photon::form`] but for sweeps: an ellipse Q swept along D reaches
+    /// √(nᵀQn) + |n·D|/2 ≤ √(nᵀ (2 Q + D Dᵀ/2) n) in every direction n.
+    #[inline]
+    pub fn outer_form(&self) -> TangentForm {
+        if self.tail & SWEPT == 0 { self.form() } else { self.swept_form() }
+    }
+    /// Out of the way of all that is not swept.
+    #[cold]
+    #[inline(never)]
+    fn swept_form(&self) -> TangentForm {
+        let Vec2 { x, y } = self.sweep().unwrap_or(Vec2::ZERO);
+        self.form().scaled(2.0).plus(TangentForm { xx: x * x, xy: x * y, yy: y * y }.scaled(0.5))
     }
     /// The tangent frame in which a photon on a surface with this normal keeps its footprint: that of the normal as
     /// it is stored, so that reading needs nothing but the record.
@@ -69,7 +97,7 @@ impl Photon {
     }
     /// How far from the photon's tangent plane a surface still counts as the one it lit, m.
     pub fn thickness(&self) -> f64 {
-        THICKNESS * self.form().trace().sqrt() + float::origin_offset(self.position().abs().max_element())
+        THICKNESS * self.outer_form().trace().sqrt() + float::origin_offset(self.position().abs().max_element())
     }
     /// The direction in which points beside the tangent plane are carried into it, of length 1/cos: along the photon,
     /// as parallel light would go, or along the normal for a photon that skims its surface.
@@ -80,7 +108,7 @@ impl Photon {
     }
     /// How often a surface scattered it, by a wide lobe, before this one.
     pub fn bounces(&self) -> u32 {
-        self.bounces
+        if self.tail & SWEPT == 0 { self.tail } else { self.tail & MAX_SWEPT_BOUNCES }
     }
     /// The same light elsewhere on the same plane.
     pub fn moved(&self, p: Point3, flux: Flux, form: TangentForm) -> Photon {
@@ -92,7 +120,7 @@ impl Photon {
     pub fn bits(&self) -> [u32; 16] {
         let [[a, b, c], [d, e, f], [g, h, i], [j, k, l], [m, n, o]] =
             [self.position, self.flux, self.wi, self.normal, self.form].map(|v| v.map(f32::to_bits));
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, self.bounces]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, self.tail]
     }
 }
 

@@ -8,7 +8,7 @@
 
 use super::trace::PhotonTracer;
 use crate::differential::Differential;
-use crate::light::{Aim, Emission, Light};
+use crate::light::{Aim, Emission, Lights};
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::LightId;
 
@@ -66,18 +66,20 @@ impl Share {
 
     /// The split that makes both parts of the footprints equally wide. `tracer` is a fresh one; what it stores is
     /// thrown away by the caller.
-    pub fn balanced(source: &dyn Light, light: LightId, aim: &Aim, n: u64, tracer: &mut PhotonTracer<4>) -> Share {
+    pub fn balanced(lights: &Lights, light: LightId, aim: &Aim, n: u64, tracer: &mut PhotonTracer<4>) -> Share {
         let mut log_ratio = 0.0;
         let mut pairs = 0u32;
         for i in 0..PILOTS {
             // The sample points are fixed ones, so that the split is a property of the scene.
             let (a, b) = (qmc::r2(i), qmc::golden_lattice(i, PILOTS));
-            let Some(emission) = source.emit([a[0], a[1], b[0], b[1]], aim) else { continue };
+            let mut stream = Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i);
+            let time = tracer.draw_time(&mut stream);
+            let Some(emission) = lights.emit(light, [a[0], a[1], b[0], b[1]], aim, time) else { continue };
             let mut widths = |kept: std::ops::Range<usize>| {
                 tracer.stored.caustic.clear();
                 let pilot = Emission { jacobian: only(&emission.jacobian, kept), ..emission };
-                let mut stream = Stream::new(0, Purpose::Photon, u32::MAX, u64::from(light.0) << 44 | i);
-                let time = tracer.draw_time(&mut stream);
+                // Both parts take the same way.
+                let mut stream = stream.clone();
                 tracer.trace(&pilot, time, &mut stream);
                 tracer.stored.caustic.iter().map(|photon| photon.form().trace()).collect::<Vec<f64>>()
             };

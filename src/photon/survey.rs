@@ -5,7 +5,7 @@
 
 use super::emit::leading;
 use super::trace::PhotonTracer;
-use crate::light::{Aim, Light};
+use crate::light::{Aim, Lights};
 use crate::sampling::{Purpose, Stream, qmc};
 use crate::scene::LightId;
 
@@ -69,14 +69,8 @@ impl Survey {
     }
 
     /// Sends pilots from the open cells of a row. `tracer` is a fresh one; what it stores is thrown away by the caller.
-    pub fn explore(
-        &self,
-        source: &dyn Light,
-        light: LightId,
-        aim: &Aim,
-        row: usize,
-        tracer: &mut PhotonTracer<0>,
-    ) -> Row {
+    pub fn explore(&self, lights: &Lights, light: LightId, aim: &Aim, row: usize, tracer: &mut PhotonTracer<0>) -> Row {
+        let source = lights.get(light);
         let mut found = Row { cells: self.cells[row * self.side..][..self.side].to_vec(), others: Vec::new() };
         for (column, cell) in found.cells.iter_mut().enumerate().filter(|(_, cell)| **cell == Cell::Open) {
             let mut useful = |k: u64| {
@@ -86,10 +80,11 @@ impl Survey {
                 let within = qmc::shifted(qmc::golden_lattice(k, PILOTS_PER_CELL), qmc::r2(number));
                 let [x, y] = [(column, within[0]), (row, within[1])].map(|(at, u)| (at as f64 + u) / self.side as f64);
                 let other = qmc::r2(i);
-                let emission = source.emit(leading(source.is_collimated(), [x, y, other[0], other[1]]), aim)?;
                 let path = u64::from(light.0) << 44 | self.level << 36 | i;
                 let mut stream = Stream::new(0, Purpose::Guide, 0, path);
                 let time = tracer.draw_time(&mut stream);
+                let u = leading(source.is_collimated(), [x, y, other[0], other[1]]);
+                let emission = lights.emit(light, u, aim, time)?;
                 tracer.is_useful(&emission, time, &mut stream).then_some(other)
             };
             let others: Vec<[f64; 2]> = (0..PILOTS_PER_CELL).filter_map(&mut useful).collect();

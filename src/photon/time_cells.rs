@@ -8,10 +8,14 @@
 //!
 //! τ²/3 for the uniform kernel (PHOTON_DIFFERENTIALS 7). Q is both in the kernel's shape and in its normalisation, so that no
 //! light is lost or gained.
+//!
+//! The swept kernel of `[Schjoth11]` is there for comparison: K of the distance to the segment from x − τ/2 D_t x to
+//! x + τ/2 D_t x, about the same middle, over the area that keeps it normalised (`estimate::pair`).
 
 use super::footprint::TangentForm;
 use crate::math::{Frame, Vec3};
 use crate::scene::Shutter;
+use crate::scene::settings::TimeKernel;
 
 /// Equal parts of the shutter's interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,16 +24,21 @@ pub struct TimeCells {
     count: u32,
     /// 1/(12 μ₂).
     spread: f64,
+    kernel: TimeKernel,
 }
 
 impl TimeCells {
     /// `count` > 0 of them, for a kernel of variance `kernel` per axis on the unit disc.
     pub fn new(shutter: Shutter, count: u32, kernel: f64) -> TimeCells {
-        TimeCells { shutter, count, spread: 1.0 / (12.0 * kernel) }
+        TimeCells { shutter, count, spread: 1.0 / (12.0 * kernel), kernel: TimeKernel::Variance }
+    }
+    /// With another kernel over time.
+    pub fn with(self, kernel: TimeKernel) -> TimeCells {
+        TimeCells { kernel, ..self }
     }
     /// One, which is an instant where nothing moves.
     pub fn one(shutter: Shutter) -> TimeCells {
-        TimeCells { shutter, count: 1, spread: 0.0 }
+        TimeCells { shutter, count: 1, spread: 0.0, kernel: TimeKernel::Variance }
     }
     pub fn count(&self) -> usize {
         self.count as usize
@@ -45,6 +54,10 @@ impl TimeCells {
     /// (t_m − t)/τ, from −½ to ½.
     pub fn to_middle(&self, time: f64) -> f64 {
         self.cell(time) as f64 + 0.5 - self.place(time)
+    }
+    /// Whether footprints are swept instead of widened.
+    pub fn sweeps(&self) -> bool {
+        self.kernel == TimeKernel::Swept
     }
     /// What a time column, of the unit τ, adds to the form of a footprint.
     pub fn swept(&self, column: Vec3, frame: &Frame) -> TangentForm {

@@ -19,7 +19,7 @@ use super::record::Photon;
 use super::time_cells::TimeCells;
 use crate::differential::{SurfaceMotion, blurred};
 use crate::light::Emission;
-use crate::math::{Dir3, Point3, Ray};
+use crate::math::{Dir3, Frame, Point3, Ray};
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
 use crate::surface::adjoint::shading_normal_factor;
@@ -140,7 +140,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
     /// Follows one photon that was emitted at `time` to the end of all its branches.
     pub fn trace(&mut self, emission: &Emission, time: f64, stream: &mut Stream) {
         let (origin, w) = (emission.ray_origin(), emission.direction);
-        let (columns, flux) = (Columns::emitted(&emission.jacobian), emission.flux);
+        let (columns, flux) = (Columns::emitted(emission, self.time_cells.length()), emission.flux);
         self.time = time;
         self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0 });
         while let Some(branch) = self.pending.pop() {
@@ -263,7 +263,9 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         let (mut p, frame) = (si.p, Photon::frame_of(si.ng));
         let mut form = self.spread.footprint(&columns.cell, &frame);
         for sweep in columns.time.dx.to_array() {
-            form = form.plus(self.time_cells.swept(sweep, &frame));
+            if !self.time_cells.sweeps() {
+                form = form.plus(self.time_cells.swept(sweep, &frame));
+            }
             p += sweep * self.time_cells.to_middle(self.time);
         }
         let has_columns = matches!(self.spread, Spread::Columns { .. });
@@ -274,7 +276,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         if is_scattered {
             form = form.at_most(self.widest);
         }
-        let photon = Photon::new(p, wi, si.ng, flux, form, bounces);
+        let photon = self.swept(Photon::new(p, wi, si.ng, flux, form, bounces), columns, &frame);
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
@@ -284,6 +286,18 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             self.counts.edge_images += images.len() as u64;
             list.extend(images);
         }
+    }
+
+    /// The photon with what the swept kernel asks for; what a record has no room for is widened as ever.
+    fn swept(&self, photon: Photon, columns: &Columns<N, T>, frame: &Frame) -> Photon {
+        if T == 0 || !self.time_cells.sweeps() {
+            return photon;
+        }
+        let sweep = columns.time.dx.to_array()[0];
+        photon.over(frame.project(sweep)).unwrap_or_else(|| {
+            let form = photon.form().plus(self.time_cells.swept(sweep, frame));
+            photon.moved(photon.position(), photon.flux(), form)
+        })
     }
 
     /// Goes on through all delta lobes that are strong enough.

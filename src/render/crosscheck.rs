@@ -101,9 +101,9 @@ impl Paths<'_> {
     fn light_path(&mut self) {
         let Some(choice) = self.world.lights.pick(self.stream.uniform()) else { return };
         let ([u, v], [theta, phi]) = (self.stream.uniform2(), self.stream.uniform2());
-        let emission = self.world.lights.get(choice.light).emit([u, v, theta, phi], &Aim::Everywhere);
-        if let Some(ray) = emission.map(|e: Emission| Ray::new(e.ray_origin(), e.direction)) {
-            let ray = ray.at_time(self.world.draw_time(&mut self.stream));
+        let time = self.world.draw_time(&mut self.stream);
+        let emission = self.world.lights.emit(choice.light, [u, v, theta, phi], &Aim::Everywhere, time);
+        if let Some(ray) = emission.map(|e: Emission| Ray::new(e.ray_origin(), e.direction).at_time(time)) {
             self.follow(ray, RayKind::Photon, TransportMode::Importance);
         }
     }
@@ -124,7 +124,8 @@ impl Paths<'_> {
 
     fn look_at_a_light(&mut self, si: &Interaction) {
         let Some(choice) = self.world.lights.pick(self.stream.uniform()) else { return };
-        let Some(sample) = self.world.lights.get(choice.light).sample_li(si.p, self.stream.uniform2()) else { return };
+        let u = self.stream.uniform2();
+        let Some(sample) = self.world.lights.sample_li(choice.light, si.p, u, si.time) else { return };
         let ray = World::shadow_ray(si, sample.wi, sample.distance);
         self.queries.push(Query { ray, kind: RayKind::Shadow });
     }

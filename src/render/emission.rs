@@ -142,11 +142,10 @@ fn learn(world: &World, light: LightId, kind: &Population, n: u64) -> Found {
 
 /// Pilots fill the survey, more and more finely.
 fn explored(world: &World, light: LightId, kind: &Population, mut survey: Survey) -> Result<Survey, Stopped> {
-    let source = world.lights.get(light);
     loop {
         let row = |row: usize| {
             let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD).of(kind);
-            survey.explore(source, light, &kind.aim, row, &mut tracer)
+            survey.explore(&world.lights, light, &kind.aim, row, &mut tracer)
         };
         let rows = collect_units(survey.side, &Unattended(&Silent), row)?;
         survey.learn(rows);
@@ -167,7 +166,7 @@ fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
         return Share::leading(n, source.is_collimated());
     }
     let mut pilot = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
-    Share::balanced(source, light, aim, n, &mut pilot)
+    Share::balanced(&world.lights, light, aim, n, &mut pilot)
 }
 
 /// Of every photon's path.

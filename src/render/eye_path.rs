@@ -220,7 +220,7 @@ impl EyePathTracer<'_> {
         let radiance = light.radiance(si.ng, si.wo).0;
         if !radiance.is_black() {
             let w = walk.w;
-            let next_event = |from| light.pdf_li(from, w, si.p, si.ng) * lights.pick_pmf(id);
+            let next_event = |from| lights.pdf_li(id, from, w, (si.p, si.ng), si.time) * lights.pick_pmf(id);
             self.add_found(walk, (id, radiance), sample, next_event);
         }
     }
@@ -276,7 +276,7 @@ impl EyePathTracer<'_> {
     ) {
         let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let Some(choice) = self.world.lights.pick(choice) else { return };
-        let Some(found) = self.world.lights.get(choice.light).sample_li(si.p, u) else { return };
+        let Some(found) = self.world.lights.sample_li(choice.light, si.p, u, si.time) else { return };
         let f = bsdf.f(si.wo, found.wi, TransportMode::Radiance) * si.ns.dot(found.wi).abs();
         if f.is_black() || found.weight.is_zero() || !self.world.visible(si, found.wi, found.distance) {
             return;

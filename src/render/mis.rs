@@ -40,7 +40,6 @@ pub fn eyes_part(world: &World, aim: &Aim, plan: &EmissionPlan) -> f64 {
 
 /// The geometric mean of r over the photons that pilots store; `None` if there are none.
 fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
-    let source = world.lights.get(plan.light);
     let points = EmissionPoints::new(world, plan.light, aim, plan.share, plan.points, 0);
     let mut tracer = PhotonTracer::<4, 0>::new(world, limits(world), spread(world, 0));
     let (mut log_ratio, mut photons) = (0.0, 0u32);
@@ -51,12 +50,13 @@ fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
         if plan.guide.as_ref().is_some_and(|guide| guide.keep(points.leading(u)) < 1.0) {
             continue;
         }
-        let Some(emission) = source.emit(u, aim) else { continue };
+        let time = points.time(i, &mut stream);
+        let Some(emission) = world.lights.emit(plan.light, u, aim, time) else { continue };
         let (Some(pdf_a), Some(pdf_w)) = (emission.pdf_a, emission.pdf_w) else { continue };
         let cosine = emission.normal.map_or(1.0, |n| n.dot(emission.direction).abs());
         let density = plan.points as f64 * pdf_a.get() * pdf_w.get() / cosine;
         tracer.stored.caustic.clear();
-        tracer.trace(&points.share(emission, 1.0), points.time(i, &mut stream), &mut stream);
+        tracer.trace(&points.share(emission, 1.0), time, &mut stream);
         for photon in &tracer.stored.caustic {
             let area = PI * photon.form().determinant().max(0.0).sqrt();
             if area > 0.0 {

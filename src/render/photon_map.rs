@@ -160,7 +160,7 @@ pub fn time_cells(world: &World, pass: u32) -> TimeCells {
         TimeResolution::Cells(count) => count,
     };
     let count = f64::from(first) / bandwidth::narrowing(settings.emission, pass);
-    TimeCells::new(shutter, count.floor() as u32, kernel::variance(settings.kernel))
+    TimeCells::new(shutter, count.floor() as u32, kernel::variance(settings.kernel)).with(settings.time_kernel)
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.

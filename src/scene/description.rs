@@ -275,6 +275,8 @@ pub struct Emission {
 pub struct LightDescription {
     pub source: Source,
     pub model: LightModel,
+    /// What happens to it from time to time; empty for what stands still.
+    pub motion: Vec<MotionKey>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,12 +8,13 @@ use std::collections::hash_map::Entry;
 
 use super::camera::PixelFilter;
 use super::description::{
-    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, ObjectDescription,
-    SceneDescription, ShapeDescription, TransformMap, TransformStep,
+    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MotionKey,
+    ObjectDescription, SceneDescription, ShapeDescription, TransformMap, TransformStep,
 };
 use super::mesh::TriangleMesh;
 use super::settings::{
-    BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeResolution,
+    BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeKernel,
+    TimeResolution,
 };
 
 /// Changes when the serialisation below does.
@@ -156,6 +157,7 @@ impl Canonical {
             k,
             radius,
             time_cells,
+            time_kernel,
             max_depth,
             max_bounces,
             layers: _,
@@ -195,6 +197,10 @@ impl Canonical {
             self.tag("time cells");
             self.integer(u64::from(*count));
         }
+        if *time_kernel != TimeKernel::Variance {
+            self.tag("time kernel");
+            self.tag(time_kernel.name());
+        }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");
             self.numbers(&[*radius]);
@@ -204,14 +210,7 @@ impl Canonical {
     fn object(&mut self, object: &ObjectDescription, description: &SceneDescription) {
         self.shape(&object.shape, description);
         self.steps(&object.transform);
-        if !object.motion.is_empty() {
-            self.tag("motion");
-            self.count(object.motion.len());
-            for key in &object.motion {
-                self.numbers(&[key.time]);
-                self.steps(&key.transform);
-            }
-        }
+        self.motion(&object.motion);
         match &object.emission {
             None => self.tag("dark"),
             Some(emission) => {
@@ -224,6 +223,19 @@ impl Canonical {
         match description.materials.iter().find(|m| m.name == object.material.name) {
             None => self.tag("no material"),
             Some(material) => self.material(&material.model, description),
+        }
+    }
+
+    fn motion(&mut self, keys: &[MotionKey]) {
+        // Only where there are some, as with settings.
+        if keys.is_empty() {
+            return;
+        }
+        self.tag("motion");
+        self.count(keys.len());
+        for key in keys {
+            self.numbers(&[key.time]);
+            self.steps(&key.transform);
         }
     }
 
@@ -318,6 +330,15 @@ impl Canonical {
             self.tag("colours");
             self.singles(&mesh.colours);
         }
+        if let Some(deformation) = &mesh.deformation {
+            self.tag("frames");
+            self.numbers(&[deformation.start, deformation.interval]);
+            self.count(deformation.frames.len());
+            for frame in &deformation.frames {
+                self.singles(&frame.positions);
+                self.singles(&frame.normals);
+            }
+        }
     }
 
     fn light(&mut self, light: &LightDescription) {
@@ -352,5 +373,6 @@ impl Canonical {
                 self.numbers(&radiance);
             }
         }
+        self.motion(&light.motion);
     }
 }

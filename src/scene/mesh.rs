@@ -1,10 +1,14 @@
 //! Indexed triangle meshes in storage precision.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
+use super::deformation::Deformation;
 use crate::math::{Bounds3, Point3, Vec3};
 
-/// Triangles over shared vertices, object space, metres. Counter-clockwise seen from outside.
+/// Triangles over shared vertices, object space, metres. Counter-clockwise seen from outside. Of a mesh that changes its
+/// shape, vertices and normals are those of the middle of the shutter's interval, once a scene is assembled.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct TriangleMesh {
     pub positions: Vec<[f32; 3]>,
@@ -15,6 +19,8 @@ pub struct TriangleMesh {
     /// What principled materials' base colours are multiplied by, linear Rec.709, one a vertex, or empty.
     pub colours: Vec<[f32; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// How it changes its shape; `None`: not at all.
+    pub deformation: Option<Arc<Deformation>>,
 }
 
 impl TriangleMesh {
@@ -24,6 +30,14 @@ impl TriangleMesh {
     }
     pub fn bounds(&self) -> Bounds3 {
         Bounds3::from_points(self.positions.iter().map(|&p| Point3::from_f32(p)))
+    }
+    /// Whether it has another shape at another time.
+    pub fn changes(&self) -> bool {
+        self.deformation.is_some()
+    }
+    /// Around the mesh at all times.
+    pub fn swept_bounds(&self) -> Bounds3 {
+        self.deformation.as_ref().map_or_else(|| self.bounds(), |deformation| deformation.bounds())
     }
     pub fn area(&self) -> f64 {
         (0..self.triangles.len() as u32)

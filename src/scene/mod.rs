@@ -4,6 +4,7 @@
 
 pub mod assemble;
 pub mod camera;
+pub mod deformation;
 pub mod description;
 pub mod error;
 pub mod hash;
@@ -19,6 +20,7 @@ pub mod texture;
 
 pub use assemble::assemble;
 pub use camera::{CameraModel, CameraSettings, Shutter};
+pub use deformation::Deformation;
 pub use ids::{LightId, MaterialId, MeshId, ObjectId, TextureId};
 pub use light::LightSource;
 pub use material::Material;
@@ -27,7 +29,9 @@ pub use object::{Object, ObjectGeometry};
 pub use settings::RenderSettings;
 pub use texture::{ImageTexture, Textured};
 
-use crate::math::Bounds3;
+use std::sync::Arc;
+
+use crate::math::{Bounds3, Motion};
 
 /// A scene that was checked whole: every id is in range, every number finite, every mesh index valid.
 #[derive(Clone, Debug)]
@@ -38,6 +42,9 @@ pub struct Scene {
     pub textures: Vec<ImageTexture>,
     /// Area lights are among them, naming their object.
     pub lights: Vec<LightSource>,
+    /// How light i moves while the shutter is open, rigidly; shorter than `lights` where the last ones do not. What moves is
+    /// in `lights` where it is in the middle of the interval. Area lights move as their objects do.
+    pub light_motions: Vec<Option<Arc<Motion>>>,
     pub camera: CameraSettings,
     /// When the picture is taken; an instant unless something moves meanwhile.
     pub shutter: Shutter,

@@ -24,7 +24,14 @@ impl ObjectGeometry {
             ObjectGeometry::Mesh { to_world, .. } | ObjectGeometry::Shape { to_world, .. } => to_world,
         }
     }
-    /// Around it in its own space; `meshes` are the bounds of the scene's meshes.
+    /// The mesh that it is, if it is one.
+    pub fn mesh(&self) -> Option<MeshId> {
+        match self {
+            ObjectGeometry::Mesh { mesh, .. } => Some(*mesh),
+            ObjectGeometry::Shape { .. } => None,
+        }
+    }
+    /// Around it in its own space; `meshes` are the bounds of the scene's meshes, whatever their shapes.
     pub fn own_bounds(&self, meshes: &[Bounds3]) -> Bounds3 {
         match self {
             ObjectGeometry::Mesh { mesh, .. } => meshes[mesh.index()],

@@ -174,6 +174,16 @@ pub enum TimeResolution {
     Cells(u32),
 }
 
+named_choice!(
+    /// How a photon's light is spread over what it sweeps in its time cell.
+    TimeKernel {
+        /// The footprint is widened to the variance of the sweep.
+        Variance = "variance",
+        /// The footprint is swept along, as first published, over the area that keeps its energy; for comparison.
+        Swept = "swept",
+    }
+);
+
 /// The disc of the first pass of `sppm`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Radius {
@@ -208,6 +218,7 @@ pub struct RenderSettings {
     pub radius: Radius,
     /// What of the shutter's interval a photon stands for, where something moves.
     pub time_cells: TimeResolution,
+    pub time_kernel: TimeKernel,
     /// Edges of a path at most, counted from the light or the camera.
     pub max_depth: u32,
     /// Diffuse bounces between a light and the surface that the eye sees, 0: direct light and caustics only.
@@ -239,6 +250,7 @@ impl Default for RenderSettings {
             k: 70,
             radius: Radius::Auto,
             time_cells: TimeResolution::Auto,
+            time_kernel: TimeKernel::Variance,
             max_depth: 32,
             max_bounces: 4,
             layers: Vec::new(),

@@ -105,6 +105,15 @@ impl Interaction {
             found.velocity += to_world.vector(velocity);
             found.gradient += to_world.carried(gradient);
         }
+        if let ObjectGeometry::Mesh { mesh, .. } = &object.geometry
+            && let mesh = &scene.meshes[mesh.index()]
+            && let Some(deformation) = &mesh.deformation
+        {
+            let (velocity, turning) =
+                triangle::deforming(deformation, mesh, self.primitive, self.barycentric, self.time);
+            found.velocity += to_world.vector(velocity);
+            found.gradient += turning.gradient(&to_world);
+        }
         found
     }
 

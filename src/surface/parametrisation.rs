@@ -16,7 +16,7 @@ impl Interaction {
         let to_world = object.to_world(self.time);
         let local = match &object.geometry {
             ObjectGeometry::Mesh { mesh, .. } => {
-                triangle::parametrisation(&scene.meshes[mesh.index()], self.primitive, self.barycentric)
+                triangle::parametrisation(&scene.meshes[mesh.index()], self.primitive, self.barycentric, self.time)
             }
             ObjectGeometry::Shape { shape, .. } => shape.parametrisation_at(to_world.inverse_point(self.p), self.time),
         };

@@ -6,11 +6,13 @@
 //! the light on each point of the object.
 
 use super::interaction::{Interaction, to_world_normal};
+use super::triangle;
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Normal3, Transform};
-use crate::scene::Scene;
+use crate::scene::{Deformation, ObjectGeometry, Scene, TriangleMesh};
 
-/// The map from an object's place at one time to that in the middle of the shutter's interval.
+/// The map from an object's place at one time to that in the middle of the shutter's interval; of a mesh that changes its
+/// shape, from a triangle's place.
 #[derive(Clone, Copy, Debug)]
 pub struct ToRest {
     map: Transform,
@@ -20,12 +22,23 @@ pub struct ToRest {
 impl Interaction {
     /// Whether its object is elsewhere at other times.
     pub fn is_carried(&self, scene: &Scene) -> bool {
-        scene.objects[self.object.index()].motion.is_some()
+        let object = &scene.objects[self.object.index()];
+        object.motion.is_some() || self.deforming(scene).is_some()
+    }
+    fn deforming<'a>(&self, scene: &'a Scene) -> Option<(&'a TriangleMesh, &'a Deformation)> {
+        let ObjectGeometry::Mesh { mesh, .. } = &scene.objects[self.object.index()].geometry else { return None };
+        let mesh = &scene.meshes[mesh.index()];
+        mesh.deformation.as_deref().map(|deformation| (mesh, deformation))
     }
     /// What carries this point along with its object.
     pub fn to_rest(&self, scene: &Scene) -> ToRest {
         let object = &scene.objects[self.object.index()];
-        let map = object.geometry.to_world().compose(&object.to_world(self.time).inverse());
+        let own = self
+            .deforming(scene)
+            .and_then(|(mesh, deformation)| triangle::to_rest(deformation, mesh, self.primitive, self.time));
+        let out_of = object.to_world(self.time).inverse();
+        let own = own.map_or(out_of, |own| own.compose(&out_of));
+        let map = object.geometry.to_world().compose(&own);
         ToRest { map, middle: scene.shutter.middle() }
     }
 }

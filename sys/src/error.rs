@@ -111,6 +111,12 @@ pub enum SceneError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// Frames of a moving mesh that are fewer than 2 or more than [`MAX_TIME_STEPS`](crate::MAX_TIME_STEPS), of different
+    /// numbers of vertices, or at times that are not finite and increasing.
+    BadFrames {
+        /// The mesh.
+        geometry: u32,
+    },
     /// Bounds of a user primitive that are NaN, infinite, too large or inside out.
     BadBounds {
         /// The user geometry.
@@ -162,6 +168,11 @@ impl fmt::Display for SceneError {
             Self::BadIndex { geometry, triangle, index, vertices } => write!(
                 f,
                 "geometry {geometry}: triangle {triangle} names vertex {index}, but there are {vertices} vertices"
+            ),
+            Self::BadFrames { geometry } => write!(
+                f,
+                "geometry {geometry}: frames must be 2 to {} of equally many vertices, from a time to a later one",
+                crate::MAX_TIME_STEPS
             ),
             Self::BadBounds { geometry, primitive, bounds: (lower, upper) } => write!(
                 f,

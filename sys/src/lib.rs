@@ -63,6 +63,7 @@ mod user;
 
 pub use device::{Device, HEADER_VERSION, Version, version};
 pub use error::{DeviceError, ErrorCode, InvalidRay, SceneError};
+pub use mesh::MAX_TIME_STEPS;
 pub use query::{Hit, MAX_DIRECTION, MIN_DIRECTION, Ray};
 pub use replay::Query;
 pub use scene::{CommittedScene, MAX_COORDINATE, MAX_GEOMETRY_ID, SceneBuilder};

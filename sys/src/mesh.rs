@@ -6,6 +6,9 @@ use crate::error::SceneError;
 use crate::raw;
 use crate::scene::{MAX_COORDINATE, SceneBuilder};
 
+/// Frames that a moving mesh can have.
+pub const MAX_TIME_STEPS: usize = raw::RTC_MAX_TIME_STEP_COUNT as usize;
+
 /// A geometry under construction; attaching it to a scene makes the scene a second owner.
 pub(crate) struct Geometry {
     geometry: raw::RTCGeometry,
@@ -48,14 +51,16 @@ impl Geometry {
         &self,
         builder: &SceneBuilder,
         buffer: raw::RTCBufferType,
+        slot: u32,
         format: raw::RTCFormat,
         items: &[[T; 3]],
     ) -> Result<(), SceneError> {
         const { assert!(size_of::<T>() == 4) };
         let stride = size_of::<[T; 3]>();
-        // SAFETY: the geometry is alive; slot 0 exists for index and vertex buffers of a mesh.
+        // SAFETY: the geometry is alive; slot 0 exists for index and vertex buffers of a mesh, and further slots for the
+        // vertices of as many time steps as it was given. Embree refuses other slots by an error and a null pointer.
         let target =
-            unsafe { raw::rtcSetNewGeometryBuffer(self.geometry, buffer, 0, format, stride as _, items.len() as _) };
+            unsafe { raw::rtcSetNewGeometryBuffer(self.geometry, buffer, slot, format, stride as _, items.len() as _) };
         if target.is_null() {
             return Err(builder.device().failure().into());
         }
@@ -85,8 +90,53 @@ impl SceneBuilder {
         self.require_free(id)?;
         let extent = validate(id, vertices, triangles)?;
         let geometry = Geometry::new(self, raw::RTC_GEOMETRY_TYPE_TRIANGLE, id)?;
-        geometry.fill(self, raw::RTC_BUFFER_TYPE_VERTEX, raw::RTC_FORMAT_FLOAT3, vertices)?;
-        geometry.fill(self, raw::RTC_BUFFER_TYPE_INDEX, raw::RTC_FORMAT_UINT3, triangles)?;
+        geometry.fill(self, raw::RTC_BUFFER_TYPE_VERTEX, 0, raw::RTC_FORMAT_FLOAT3, vertices)?;
+        geometry.fill(self, raw::RTC_BUFFER_TYPE_INDEX, 0, raw::RTC_FORMAT_UINT3, triangles)?;
+        geometry.attach(self)?;
+        self.occupy(id, extent);
+        Ok(())
+    }
+
+    /// Adds a mesh whose vertices move on straight lines from each of `frames` to the next, which are at equal intervals
+    /// from `start` to `end` in the ray's unit of time. At other times the mesh is not there: the frames should cover the
+    /// scene's interval ([`SceneBuilder::over`]).
+    ///
+    /// # Errors
+    /// As [`SceneBuilder::add_mesh`], and frames that do not fit together.
+    pub fn add_moving_mesh(
+        &mut self,
+        id: u32,
+        frames: &[&[[f32; 3]]],
+        [start, end]: [f64; 2],
+        triangles: &[[u32; 3]],
+    ) -> Result<(), SceneError> {
+        self.require_free(id)?;
+        let [start, end] = [start, end].map(|time| self.interval().place(time) as f32);
+        // Comparisons written so that a NaN fails.
+        let fit = (2..=MAX_TIME_STEPS).contains(&frames.len())
+            && frames.iter().all(|frame| frame.len() == frames[0].len())
+            && start.is_finite()
+            && end.is_finite()
+            && start < end;
+        if !fit {
+            return Err(SceneError::BadFrames { geometry: id });
+        }
+        let mut extent = 0.0_f64;
+        for frame in frames {
+            extent = extent.max(validate(id, frame, triangles)?);
+        }
+        let geometry = Geometry::new(self, raw::RTC_GEOMETRY_TYPE_TRIANGLE, id)?;
+        // SAFETY: the geometry is alive and nobody else's yet; the count is from 2 to Embree's largest, and the range is
+        // finite and not empty, which is all that Embree asks of it.
+        unsafe {
+            raw::rtcSetGeometryTimeStepCount(geometry.raw(), frames.len() as u32);
+            raw::rtcSetGeometryTimeRange(geometry.raw(), start, end);
+        }
+        self.device().check()?;
+        for (slot, frame) in (0..).zip(frames) {
+            geometry.fill(self, raw::RTC_BUFFER_TYPE_VERTEX, slot, raw::RTC_FORMAT_FLOAT3, frame)?;
+        }
+        geometry.fill(self, raw::RTC_BUFFER_TYPE_INDEX, 0, raw::RTC_FORMAT_UINT3, triangles)?;
         geometry.attach(self)?;
         self.occupy(id, extent);
         Ok(())

@@ -6,7 +6,7 @@
 use crate::error::InvalidRay;
 use crate::raw;
 use crate::replay::Query;
-use crate::scene::{CommittedScene, MAX_COORDINATE};
+use crate::scene::{CommittedScene, Interval, MAX_COORDINATE};
 use crate::user::widened;
 
 /// Largest component of a ray's direction.
@@ -26,7 +26,8 @@ pub struct Ray {
     pub t_near: f64,
     /// End of the segment in multiples of `direction`; infinity is allowed, an end before the start hits nothing.
     pub t_far: f64,
-    /// For user geometries, which see it as it is: when the ray flies. Triangles and instances stand still.
+    /// When the ray flies. User geometries see it as it is; to moving meshes times outside of the scene's interval are its
+    /// nearer end.
     pub time: f64,
 }
 
@@ -80,14 +81,14 @@ impl Ray {
     }
 
     /// What the library is given for a query.
-    pub(crate) fn laid_out(&self, query: Query) -> (raw::PdeRayHit, raw::PdeRecord) {
+    pub(crate) fn laid_out(&self, query: Query, interval: Interval) -> (raw::PdeRayHit, raw::PdeRecord) {
         let t_far = match query {
             // Widened for the culling of user geometries; a triangle in the slack is refused afterwards.
             Query::Intersect => widened(self.t_far),
             // Any triangle ends the query, so its end is exact: no f32 lies between the rounded and the f64 end.
             Query::Occluded => rounded_down(self.t_far),
         };
-        (self.to_f32(t_far), self.to_record())
+        (self.to_f32(t_far, interval.clamped(self.time)), self.to_record())
     }
 
     fn is_empty(&self) -> bool {
@@ -95,12 +96,12 @@ impl Ray {
     }
 
     /// The f32 ray, its end given. The start is rounded up: an f32 `t` behind it is behind the f64 start too.
-    fn to_f32(self, t_far: f32) -> raw::PdeRayHit {
+    fn to_f32(self, t_far: f32, time: f32) -> raw::PdeRayHit {
         raw::PdeRayHit {
             org: self.origin.map(|x| x as f32),
             t_near: rounded_up(self.t_near),
             dir: self.direction.map(|x| x as f32),
-            time: 0.0,
+            time,
             t_far,
             mask: u32::MAX,
             id: 0,
@@ -142,7 +143,7 @@ impl CommittedScene {
         if ray.is_empty() {
             return Ok(None);
         }
-        let (mut rayhit, mut record) = ray.laid_out(Query::Intersect);
+        let (mut rayhit, mut record) = ray.laid_out(Query::Intersect, self.interval());
         // SAFETY: the scene is committed and alive. `rayhit` has the largest layout of all Embree versions and its
         // alignment. The ray is finite and bounded. `record` outlives the call, and only callbacks of this call use it.
         unsafe { raw::pde_intersect1(self.raw(), &raw mut rayhit, &raw mut record) };
@@ -158,7 +159,7 @@ impl CommittedScene {
         if ray.is_empty() {
             return Ok(false);
         }
-        let (mut rayhit, mut record) = ray.laid_out(Query::Occluded);
+        let (mut rayhit, mut record) = ray.laid_out(Query::Occluded, self.interval());
         // SAFETY: as in `intersect`; an occlusion query touches only the ray part.
         unsafe { raw::pde_occluded1(self.raw(), &raw mut rayhit, &raw mut record) };
         Ok(rayhit.t_far == f32::NEG_INFINITY)

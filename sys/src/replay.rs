@@ -20,7 +20,7 @@ impl CommittedScene {
     /// query; rays that cannot be traced are left out.
     pub fn time(&self, query: Query, rays: &[Ray]) -> Duration {
         let mut laid_out: Vec<(raw::PdeRayHit, raw::PdeRecord)> =
-            rays.iter().filter(|ray| ray.can_hit()).map(|ray| ray.laid_out(query)).collect();
+            rays.iter().filter(|ray| ray.can_hit()).map(|ray| ray.laid_out(query, self.interval())).collect();
         let start = Instant::now();
         for (rayhit, record) in &mut laid_out {
             match query {

@@ -41,6 +41,28 @@ impl Drop for Owned {
     }
 }
 
+/// The time for which a scene is made, in the ray's unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interval {
+    open: f64,
+    /// 1/length; 0 for an instant.
+    rate: f64,
+}
+
+impl Interval {
+    /// Where in the interval a time is: 0 at its start, 1 at its end.
+    pub(crate) fn place(self, time: f64) -> f64 {
+        (time - self.open) * self.rate
+    }
+
+    /// As Embree takes it: in [0, 1], outside of which its assertions end the process. A NaN becomes 0.
+    pub(crate) fn clamped(self, time: f64) -> f32 {
+        let place = self.place(time);
+        // False for a NaN.
+        if place > 0.0 { place.min(1.0) as f32 } else { 0.0 }
+    }
+}
+
 /// Collects geometries under ids that the caller chooses. `Send`, not `Sync`.
 pub struct SceneBuilder {
     owned: Owned,
@@ -48,6 +70,7 @@ pub struct SceneBuilder {
     pending: Vec<Pending>,
     // Largest coordinate so far: f32 rounding in the scene is relative to it.
     extent: f64,
+    interval: Interval,
     has_instances: bool,
     // Embree's modifications are not thread-safe; this says so even where every method takes `&mut self`.
     not_sync: PhantomData<Cell<()>>,
@@ -80,9 +103,18 @@ impl SceneBuilder {
             ids: BTreeSet::new(),
             pending: Vec::new(),
             extent: 0.0,
+            interval: Interval { open: 0.0, rate: 0.0 },
             has_instances: false,
             not_sync: PhantomData,
         })
+    }
+
+    /// For rays whose times are from `open` to `close`, which moving meshes are asked about; nothing moves in an instant.
+    #[must_use]
+    pub fn over(mut self, open: f64, close: f64) -> Self {
+        let rate = (close - open).recip();
+        self.interval = Interval { open, rate: if rate.is_finite() && rate > 0.0 { rate } else { 0.0 } };
+        self
     }
 
     /// Adds an instance of a committed scene. `transform` maps the instanced scene's points to this scene's, as three
@@ -153,11 +185,16 @@ impl SceneBuilder {
         // SAFETY: the scene is alive and ours alone.
         unsafe { raw::rtcCommitScene(self.owned.scene) };
         self.device().check()?;
-        Ok(CommittedScene { owned: self.owned, extent: self.extent, has_instances: self.has_instances })
+        let Self { owned, extent, interval, has_instances, .. } = self;
+        Ok(CommittedScene { owned, extent, interval, has_instances })
     }
 
     pub(crate) fn device(&self) -> &Device {
         &self.owned.device
+    }
+
+    pub(crate) fn interval(&self) -> Interval {
+        self.interval
     }
 
     pub(crate) fn raw(&self) -> raw::RTCScene {
@@ -181,6 +218,7 @@ impl SceneBuilder {
 pub struct CommittedScene {
     owned: Owned,
     extent: f64,
+    interval: Interval,
     has_instances: bool,
 }
 
@@ -196,6 +234,10 @@ impl CommittedScene {
     #[doc(hidden)]
     pub fn raw(&self) -> raw::RTCScene {
         self.owned.scene
+    }
+
+    pub(crate) fn interval(&self) -> Interval {
+        self.interval
     }
 }
 

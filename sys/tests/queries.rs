@@ -256,3 +256,65 @@ fn bad_instances_are_refused() {
     let mut builder = SceneBuilder::new(&device).unwrap();
     assert_eq!(builder.add_instance(4, &nested, &one), Err(SceneError::NestedInstance { geometry: 4 }));
 }
+
+/// A quad that goes from z = 0 to 1 and back to 0, from 2 to 4 of the ray's unit of time, alone and instanced.
+#[test]
+fn a_moving_mesh_is_hit_where_it_is_at_the_rays_time() {
+    let device = support::device();
+    let raised = |z: f32| QUAD.0.map(|[x, y, _]| [x, y, z]);
+    let frames = [0.0, 1.0, 0.0].map(raised);
+    let frames: Vec<&[[f32; 3]]> = frames.iter().map(<[[f32; 3]; 4]>::as_slice).collect();
+    let moving = |start: f64, end: f64| {
+        let mut builder = SceneBuilder::new(&device).unwrap().over(2.0, 4.0);
+        builder.add_moving_mesh(3, &frames, [start, end], &QUAD.1).unwrap();
+        builder.commit().unwrap()
+    };
+    let (whole, beyond) = (moving(2.0, 4.0), moving(1.0, 5.0));
+    let mut builder = SceneBuilder::new(&device).unwrap().over(2.0, 4.0);
+    let same = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    builder.add_instance(9, &whole, &same).unwrap();
+    let instanced = builder.commit().unwrap();
+    for i in 0..=40 {
+        let time = 2.0 + f64::from(i) / 20.0;
+        let down = Ray { time, ..ray([0.25, -0.5, 3.0], [0.0, 0.0, -1.0]) };
+        let height = |start: f64, end: f64| 1.0 - ((time - start) / (end - start) * 2.0 - 1.0).abs();
+        for (scene, z) in [(&whole, height(2.0, 4.0)), (&instanced, height(2.0, 4.0)), (&beyond, height(1.0, 5.0))] {
+            let hit = scene.intersect(&down).unwrap().unwrap();
+            // A few f32 roundings of numbers up to 4.
+            assert!((hit.t - (3.0 - z)).abs() < 16.0 * 2.0_f64.powi(-24) * 4.0, "at {time}: {hit:?}");
+            assert!(scene.occluded(&down).unwrap());
+        }
+    }
+    // Other times are the ends.
+    for time in [-1e300, 0.0, 9.0, f64::INFINITY, f64::NAN] {
+        let hit = whole.intersect(&Ray { time, ..ray([0.25, -0.5, 3.0], [0.0, 0.0, -1.0]) }).unwrap().unwrap();
+        assert!((hit.t - 3.0).abs() < 1e-6, "at {time}: {hit:?}");
+    }
+}
+
+/// Vertices of each frame.
+type Frames<'a> = &'a [&'a [[f32; 3]]];
+
+#[test]
+fn frames_that_do_not_fit_are_refused() {
+    let device = support::device();
+    let mut builder = SceneBuilder::new(&device).unwrap().over(0.0, 1.0);
+    let (four, three): (&[[f32; 3]], &[[f32; 3]]) = (&QUAD.0, &QUAD.0[..3]);
+    let many = vec![four; embree4_sys::MAX_TIME_STEPS + 1];
+    let bad: [(Frames, [f64; 2]); 6] = [
+        (&[four], [0.0, 1.0]),
+        (&[four, three], [0.0, 1.0]),
+        (&many, [0.0, 1.0]),
+        (&[four, four], [1.0, 0.0]),
+        (&[four, four], [0.0, f64::NAN]),
+        (&[four, four], [0.0, f64::INFINITY]),
+    ];
+    for (frames, times) in bad {
+        let refused = builder.add_moving_mesh(1, frames, times, &QUAD.1);
+        assert_eq!(refused, Err(SceneError::BadFrames { geometry: 1 }), "{times:?}");
+    }
+    let lost = builder.add_moving_mesh(1, &[four, &[[f32::NAN; 3]; 4]], [0.0, 1.0], &QUAD.1);
+    assert!(matches!(lost, Err(SceneError::BadVertex { geometry: 1, vertex: 0, .. })));
+    builder.add_moving_mesh(1, &vec![four; embree4_sys::MAX_TIME_STEPS], [0.0, 1.0], &QUAD.1).unwrap();
+    builder.commit().unwrap();
+}

@@ -117,6 +117,7 @@ fn g_interpolated_normals() {
     let unit = |x: f64, y: f64, z: f64| Vec3::new(x, y, z).normalize().to_array().map(|c| c as f32);
     let mesh = TriangleMesh {
         colours: Vec::new(),
+        deformation: None,
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [0.0, 1.0, -0.05]],
         normals: vec![unit(-0.2, -0.1, 1.0), unit(0.25, 0.0, 1.0), unit(0.0, 0.3, 1.0)],
         uvs: vec![],

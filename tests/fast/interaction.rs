@@ -30,6 +30,7 @@ fn bent_triangle(smooth: bool) -> TriangleMesh {
     };
     TriangleMesh {
         colours: Vec::new(),
+        deformation: None,
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [0.0, 1.0, -0.05]],
         normals: if smooth { vec![unit(-0.2, -0.1, 1.0), unit(0.25, 0.0, 1.0), unit(0.0, 0.3, 1.0)] } else { vec![] },
         uvs: vec![[0.1, 0.2], [0.9, 0.3], [0.2, 1.4]],
@@ -184,6 +185,7 @@ fn the_origin_offset_covers_the_rounding_of_everything_that_enters() {
 fn degenerate_triangles_and_rays_in_the_plane_give_finite_numbers_and_say_so() {
     let flat = |positions: Vec<[f32; 3]>| TriangleMesh {
         colours: Vec::new(),
+        deformation: None,
         positions,
         normals: vec![[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.0; 3]],
         uvs: vec![[0.5, 0.5]; 3],

@@ -23,6 +23,7 @@ mod mesh_files;
 mod metric;
 mod motion;
 mod motion_blur;
+mod moving_lights;
 mod oracles_ball;
 mod oracles_mirror;
 mod oracles_refraction;

@@ -197,3 +197,36 @@ fn the_hash_covers_motion_and_shutter() {
     let distinct: std::collections::HashSet<&String> = hashes.iter().collect();
     assert_eq!(distinct.len(), hashes.len());
 }
+
+/// A cube whose top edge goes out by half a metre from 0 to 1 s and comes back until 2 s.
+#[test]
+fn a_mesh_of_several_files_changes_its_shape() {
+    let of_shutter = |shutter: &str| {
+        let text = MOVING
+            .replace(
+                "shape = \"sphere\"",
+                "shape = \"mesh\"\nfile = [\"cube.obj\", \"wide_cube.obj\", \"cube.obj\"]\ntimes = [0, 2]",
+            )
+            .replace("centre = [0, 0, 0]\nradius = 0.5\n", "")
+            .replace("[0.5, 1.5]", shutter);
+        let text: String =
+            text.lines().filter(|line| !line.starts_with("motion")).map(|line| format!("{line}\n")).collect();
+        let path = crate::support::data::root().join("tests/corpus/valid/frames.toml");
+        load_text(&path, &text, &[]).unwrap_or_else(|problems| panic!("{problems}")).scene
+    };
+    let (moving, instant, still) = (of_shutter("[0.5, 1.5]"), of_shutter("[0.5, 0.5]"), of_shutter("[2, 3]"));
+    let [there, here, after] = [&moving, &instant, &still].map(|scene| &scene.meshes[0]);
+    // The middle of the interval is the widest, at 0.5 s it is half as wide.
+    assert_eq!((there.bounds().max.x, here.bounds().max.x, after.bounds().max.x), (1.5, 1.25, 1.0));
+    assert!(!moving.shutter.is_instant() && instant.shutter.is_instant() && still.shutter.is_instant());
+    assert!(there.changes() && !here.changes() && !after.changes());
+    let deformation = there.deformation.as_ref().expect("it changes");
+    for (time, x) in [(0.5, 1.25), (0.75, 1.375), (1.0, 1.5), (1.5, 1.25)] {
+        let positions = deformation.at(time).positions;
+        assert_eq!(f64::from(positions.iter().map(|p| p[0]).fold(0.0, f32::max)), x, "at {time}");
+        assert_eq!(positions.iter().filter(|p| f64::from(p[0]) == x).count(), 2, "at {time}");
+    }
+    assert_eq!(moving.objects[0].bounds.max.x, 1.5);
+    let slower = of_shutter("[0.5, 1.6]");
+    assert_ne!(moving.hash, slower.hash);
+}

@@ -11,7 +11,7 @@ use crate::support::closed_form::wave;
 use crate::support::optics::{Act, floor};
 use crate::support::scene::scene;
 use crate::support::shapes::{self, random, random_direction};
-use crate::support::worlds::{Numbers, motion, moving, placements};
+use crate::support::worlds::{Numbers, deforming, motion, moving, placements};
 
 const START: Differential<1> = Differential::ZERO;
 
@@ -181,6 +181,7 @@ fn bent_triangle() -> TriangleMesh {
     TriangleMesh {
         positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [0.0, 1.0, -0.05]],
         colours: Vec::new(),
+        deformation: None,
         normals: vec![unit(-0.2, -0.1, 1.0), unit(0.25, 0.0, 1.0), unit(0.0, 0.3, 1.0)],
         uvs: vec![],
         triangles: vec![[0, 1, 2]],
@@ -221,6 +222,18 @@ fn stands() -> Vec<(String, Scene, Points)> {
         Point3::new(u, v, 0.1 * u - 0.05 * v)
     };
     all.push(("triangle".to_owned(), stand(geometry, vec![bent_triangle()], 7), Box::new(points)));
+    let flat = TriangleMesh { normals: vec![], ..bent_triangle() };
+    for (name, mesh) in [("deforming triangle", bent_triangle()), ("flat deforming triangle", flat)] {
+        let geometry = ObjectGeometry::Mesh { mesh: MeshId(0), to_world: placements(3, 1)[0] };
+        // The shape at rest tells only where to aim.
+        let deforming = deforming(8, mesh);
+        let corners = deforming.corners(0);
+        let points = move |i: u64| {
+            let [u, v] = random(2000 + i).uniform2().map(|x| 0.5 * x);
+            corners[0] + (corners[1] - corners[0]) * u + (corners[2] - corners[0]) * v
+        };
+        all.push((name.to_owned(), stand(geometry, vec![deforming], 7), Box::new(points)));
+    }
     all
 }
 

@@ -3,6 +3,8 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod animation;
+mod blur_reference;
 mod exact;
 mod exr;
 mod imported;

@@ -19,13 +19,18 @@ use crate::support::statistics::{Moments, assert_plausible, welch};
 const SEEDS: [u64; 3] = [101, 102, 103];
 /// Rows that took longer than this in the study are not made again here, seconds.
 const CHEAP: f64 = 2.5;
-/// The numbers of photons that are made again.
+/// The numbers of photons that are made again, but of studies of fewer.
 const PHOTONS: u64 = 20_000;
 
 type Metric = fn(&Metrics) -> Option<f64>;
 
 /// Name of a study file below scenes, without ending; its results stand beside it.
 fn tables_hold(study: &str) {
+    tables_hold_of(study, PHOTONS);
+}
+
+/// The same of a study whose rows of that many photons are made again.
+fn tables_hold_of(study: &str, photons: u64) {
     let path = root().join("scenes").join(study).with_extension("toml");
     let plan = file::read(&path).unwrap_or_else(|problems| panic!("{problems}"));
     let committed = results(&path);
@@ -36,7 +41,11 @@ fn tables_hold(study: &str) {
         .zip(&plan.experiments)
         .flat_map(|(results, experiment)| {
             assert_eq!(results.name, experiment.name, "{study}: the table is of another study");
-            results.rows.iter().filter(|row| is_cheap(row)).map(|row| repeated(&plan, experiment, row))
+            results
+                .rows
+                .iter()
+                .filter(|row| is_cheap(row, photons))
+                .map(|row| repeated(&plan, experiment, row, photons))
         })
         .collect();
     assert!(!again.experiments.is_empty(), "{study}: no row is cheap enough");
@@ -47,7 +56,8 @@ fn tables_hold(study: &str) {
     let found = run(&again, &place, |_| true).unwrap_or_else(|error| panic!("{study}: {error}")).results;
     assert!(!own.exists(), "{study}: the reference beside it is missing or too short");
 
-    let rows: Vec<&Row> = committed.experiments.iter().flat_map(|e| &e.rows).filter(|row| is_cheap(row)).collect();
+    let rows: Vec<&Row> =
+        committed.experiments.iter().flat_map(|e| &e.rows).filter(|row| is_cheap(row, photons)).collect();
     let renewed: Vec<&Row> = found.experiments.iter().flat_map(|e| &e.rows).collect();
     assert_eq!(rows.len(), renewed.len());
     let tests = 2 * rows.len();
@@ -70,12 +80,12 @@ fn results(study: &Path) -> Results {
 }
 
 /// Several seeds, few photons, not timed, and quick: of the bandwidths that were looked at only the best.
-fn is_cheap(row: &Row) -> bool {
-    row.cells.len() > 2 && row.photons == Some(PHOTONS) && row.chosen_for != "ssim" && row.seconds() < CHEAP
+fn is_cheap(row: &Row, photons: u64) -> bool {
+    row.cells.len() > 2 && row.photons == Some(photons) && row.chosen_for != "ssim" && row.seconds() < CHEAP
 }
 
 /// The row of an experiment with its bandwidth and other seeds.
-fn repeated(study: &Study, experiment: &Experiment, row: &Row) -> Experiment {
+fn repeated(study: &Study, experiment: &Experiment, row: &Row, photons: u64) -> Experiment {
     let place = |method: &Method| method.name == row.method;
     let method = study.methods.iter().position(place).unwrap_or_else(|| panic!("no method {}", row.method));
     let bandwidth = match &row.bandwidth {
@@ -88,7 +98,7 @@ fn repeated(study: &Study, experiment: &Experiment, row: &Row) -> Experiment {
             .budgets
             .iter()
             .copied()
-            .filter(|b| matches!(b, Budget::Photons(n) | Budget::Stored(n) if *n == PHOTONS))
+            .filter(|b| matches!(b, Budget::Photons(n) | Budget::Stored(n) if *n == photons))
             .collect(),
         seeds: SEEDS.to_vec(),
         baseline: None,
@@ -134,4 +144,14 @@ fn ball_lens() {
 #[test]
 fn the_room_s_table_holds() {
     tables_hold("room/study");
+}
+
+#[test]
+fn travelling_wave() {
+    tables_hold_of("blur/wave_study", 1_000);
+}
+
+#[test]
+fn turning_rod() {
+    tables_hold_of("blur/rod_study", 5_000);
 }

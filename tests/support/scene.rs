@@ -11,7 +11,7 @@ use pdembree::shape::Shape;
 
 /// Objects in the given places, all of one matte material; object i is `geometry[i]`.
 pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene {
-    let mesh_bounds: Vec<Bounds3> = meshes.iter().map(TriangleMesh::bounds).collect();
+    let mesh_bounds: Vec<Bounds3> = meshes.iter().map(TriangleMesh::swept_bounds).collect();
     let object = |geometry: ObjectGeometry| {
         let bounds = geometry.bounds(&mesh_bounds);
         Object { name: "test object".into(), geometry, motion: None, bounds, material: MaterialId(0), light: None }
@@ -24,6 +24,7 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
         materials: vec![Material::Lambert { albedo: Textured::Constant(Spectrum::ONE) }],
         textures: vec![],
         lights: vec![],
+        light_motions: vec![],
         camera: CameraSettings {
             model: CameraModel::Perspective { fov_x: 1.0 },
             position: Point3::new(0.0, 0.0, 5.0),
@@ -68,6 +69,7 @@ pub fn geode() -> TriangleMesh {
     }
     TriangleMesh {
         colours: Vec::new(),
+        deformation: None,
         positions: faces.iter().flatten().map(|p| p.to_array().map(|c| c as f32)).collect(),
         normals: vec![],
         uvs: vec![],

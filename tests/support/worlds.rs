@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use pdembree::math::{Bounds3, Dir3, Motion, Point3, Ray, Transform, Vec2, Vec3};
 use pdembree::sampling::stream::{Purpose, Stream};
-use pdembree::scene::{MeshId, Object, ObjectGeometry, Scene, Shutter, TriangleMesh};
+use pdembree::scene::deformation::VertexFrame;
+use pdembree::scene::{Deformation, MeshId, Object, ObjectGeometry, Scene, Shutter, TriangleMesh};
 use pdembree::shape::{Cylinder, Disk, HeightField, Rectangle, Shape, Sphere, Torus, Wave};
 
 /// Numbers of one test case.
@@ -152,7 +153,7 @@ pub fn motion(numbers: &mut Numbers, placed: &Transform) -> Motion {
 /// The scene with every object moving from 0 to 1 s, the shutter's interval.
 pub fn moving(seed: u64, mut scene: Scene) -> Scene {
     let mut numbers = Numbers::new(seed);
-    let meshes: Vec<Bounds3> = scene.meshes.iter().map(TriangleMesh::bounds).collect();
+    let meshes: Vec<Bounds3> = scene.meshes.iter().map(TriangleMesh::swept_bounds).collect();
     scene.shutter = Shutter { open: 0.0, close: 1.0 };
     for object in &mut scene.objects {
         let motion = motion(&mut numbers, object.geometry.to_world());
@@ -161,6 +162,26 @@ pub fn moving(seed: u64, mut scene: Scene) -> Scene {
         scene.bounds = scene.bounds.union(object.bounds);
     }
     scene
+}
+
+/// The mesh changing its shape over four frames from before 0 to after 1 s: every vertex goes its own way, normals turn.
+pub fn deforming(seed: u64, mesh: TriangleMesh) -> TriangleMesh {
+    let mut numbers = Numbers::new(seed);
+    let mut frame = |_| {
+        let mut moved = |v: &[f32; 3]| (Point3::from_f32(*v).to_vec() + numbers.in_cube(0.3)).to_array();
+        let positions = mesh.positions.iter().map(|p| moved(p).map(|x| x as f32)).collect();
+        let unit = |n: [f64; 3]| Vec3::from_array(n).normalize().to_array().map(|x| x as f32);
+        VertexFrame { positions, normals: mesh.normals.iter().map(|n| unit(moved(n))).collect() }
+    };
+    let frames: Vec<VertexFrame> = (0..4).map(&mut frame).collect();
+    let deformation = Deformation { start: -0.2, interval: 0.5, frames };
+    let middle = deformation.at(0.5);
+    TriangleMesh {
+        positions: middle.positions,
+        normals: middle.normals,
+        deformation: Some(Arc::new(deformation)),
+        ..mesh
+    }
 }
 
 /// Rays at random times from 0 to 1 s towards the cube of the given half width, from near and far; some along an axis, some with a bounded interval.

@@ -75,9 +75,16 @@ fn of_mesh(mesh: &Triangles, to_world: &Transform, ray: &Ray, primitive: u32) ->
     if primitive as usize >= mesh.triangles.len() {
         return Verdict::nowhere();
     }
-    let own = mesh.corners(primitive);
+    let own = mesh.corners(primitive, ray.time);
     let corners = own.map(|p| to_world.point(p));
     let mut rounding = 32.0 * U * size(ray.origin, &corners);
+    if let Some(deformation) = &mesh.deformation {
+        // A time is rounded as a part of the whole course, and vertices are blended from the products of two.
+        let course = (deformation.end() - deformation.start) * deformation.interval.recip();
+        let steps = deformation.between(ray.time).velocities(mesh.triangles[primitive as usize]);
+        let longest = steps.map(|v| to_world.vector(v).length() * deformation.interval).into_iter().fold(0.0, f64::max);
+        rounding += 16.0 * U * course * longest;
+    }
     let mut loss = normal_loss(&corners);
     if !to_world.is_identity() {
         rounding = rounding_of_instance(to_world, ray, &own, &corners);

@@ -11,7 +11,7 @@ use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraKeyDescription, CameraModelDescription};
 use crate::scene::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect,
-    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings, TimeResolution,
+    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings, TimeKernel, TimeResolution,
 };
 
 /// Pixels along one side at most.
@@ -283,6 +283,11 @@ pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> Re
         time_cells: section
             .or("time_cells", AutoOrCount(count(1)), None)
             .map_or(TimeResolution::Auto, |n| TimeResolution::Cells(n as u32)),
+        time_kernel: section.or(
+            "time_kernel",
+            Choice { names: TimeKernel::NAMES, from_name: TimeKernel::from_name },
+            default.time_kernel,
+        ),
         max_depth: section.or("max_depth", depth(1), default.max_depth.into()) as u32,
         max_bounces: section.or("max_bounces", depth(0), default.max_bounces.into()) as u32,
         layers: section.or("layers", Layers, default.layers),

@@ -91,7 +91,11 @@ impl Included {
                 extent: ExtentDescription::Unbounded,
             };
             let stand_ins = [LightModel::Environment { radiance: SKY }, sun];
-            lights.extend(stand_ins.map(|model| LightDescription { source: self.source.clone(), model }));
+            lights.extend(stand_ins.map(|model| LightDescription {
+                source: self.source.clone(),
+                model,
+                motion: Vec::new(),
+            }));
             say("the file has no light: a sky of 0.5 W/(m² sr) and a sun of 2 W/m² stand in", "add lights to it");
         }
         self.warnings

@@ -1,5 +1,6 @@
 //! `[[lights]]`.
 
+use super::objects::read_key;
 use crate::import::keyed::convert::{Choice, Colour, Convert, Direction, NON_NEGATIVE, Number, POINT, POSITIVE};
 use crate::import::keyed::reader::Section;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel};
@@ -40,7 +41,8 @@ fn read_light(section: Section<'_>) -> LightDescription {
     };
     let Some(name) = name else {
         // Stands for the light that is meant, so that the scene does not seem to be dark.
-        return LightDescription { source, model: LightModel::Environment { radiance: [1.0; 3] } };
+        let model = LightModel::Environment { radiance: [1.0; 3] };
+        return LightDescription { source, model, motion: Vec::new() };
     };
     let model = match name {
         LightName::Point => LightModel::Point {
@@ -55,8 +57,9 @@ fn read_light(section: Section<'_>) -> LightDescription {
         },
         LightName::Environment => LightModel::Environment { radiance: section.required("radiance", POWER, [1.0; 3]) },
     };
+    let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect();
     section.finish();
-    LightDescription { source, model }
+    LightDescription { source, model, motion }
 }
 
 fn read_spot(section: &Section<'_>) -> LightModel {

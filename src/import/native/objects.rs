@@ -5,12 +5,13 @@ use toml::de::DeValue;
 
 use crate::import::assets::Assets;
 use crate::import::keyed::convert::{
-    ANY, Array, Boolean, Choice, Colour, Direction, NON_NEGATIVE, POINT, POSITIVE, ScaleFactors, Text,
+    ANY, Array, Boolean, Choice, Colour, Direction, List, NON_NEGATIVE, POINT, POSITIVE, ScaleFactors, Text,
 };
 use crate::import::keyed::reader::Section;
 use crate::scene::description::{
     Emission, MotionKey, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
 };
+use crate::scene::error::Problem;
 
 #[derive(Clone, Copy, PartialEq)]
 enum ShapeName {
@@ -157,9 +158,21 @@ fn read_mesh(
         section.missing("file", "the path of an OBJ or PLY file");
         return absent(material);
     };
-    let Some(file) = section.reader.convert("file", value, &Text) else { return absent(material) };
     let used_at = section.reader.source(value.span());
     let shape = |mesh| ShapeDescription::Mesh { mesh: Some(mesh) };
+    if let DeValue::Array(_) = value.get_ref() {
+        let Some(files) = section.reader.convert("file", value, &List(Text)) else { return absent(material) };
+        return match read_frames(section, &files, smooth, material.as_ref(), assets) {
+            Some((mesh, material)) => vec![(shape(mesh), material)],
+            None => absent(material),
+        };
+    }
+    if let Some(times) = section.get("times") {
+        let problem = Problem::new("`times` are those of several files, `file` is one");
+        let problem = problem.help("write file = [\"first.obj\", \"last.obj\"], or take `times` away");
+        section.reader.report(problem.at(&section.reader.source(times.span())));
+    }
+    let Some(file) = section.reader.convert("file", value, &Text) else { return absent(material) };
     let parts = match &material {
         Some(material) => assets.mesh(&file, smooth, &used_at).map(|mesh| vec![(shape(mesh), material.clone())]),
         None => assets
@@ -170,6 +183,33 @@ fn read_mesh(
         section.reader.report_all(problems);
         absent(material)
     })
+}
+
+/// A mesh that changes its shape: files at equal intervals between two `times`.
+fn read_frames(
+    section: &Section<'_>,
+    files: &[String],
+    smooth: Option<bool>,
+    material: Option<&Reference>,
+    assets: &mut Assets,
+) -> Option<(usize, Reference)> {
+    let Some(times) = section.get("times") else {
+        section.missing("times", "the times of the first and the last file, s");
+        return None;
+    };
+    let used_at = section.reader.source(times.span());
+    let times = section.reader.convert("times", times, &Array::<_, 2>(ANY))?;
+    let Some(material) = material else {
+        section.missing("material", "the name of a material, which several files cannot bring along");
+        return None;
+    };
+    match assets.animated_mesh(files, times, smooth, &used_at) {
+        Ok(mesh) => Some((mesh, material.clone())),
+        Err(problems) => {
+            section.reader.report_all(problems);
+            None
+        }
+    }
 }
 
 fn read_emission(section: &Section<'_>) -> Option<Emission> {
@@ -194,8 +234,8 @@ fn read_transform(section: &Section<'_>) -> Vec<TransformStep> {
     steps.into_iter().filter_map(read_step).collect()
 }
 
-/// A time and where the object is then.
-fn read_key(section: &Section<'_>) -> MotionKey {
+/// A time and where the object or the light is then.
+pub(super) fn read_key(section: &Section<'_>) -> MotionKey {
     let time = section.required("time", ANY, 0.0);
     let key = MotionKey { source: section.source(), time, transform: read_transform(section) };
     section.finish();

@@ -65,7 +65,7 @@ pub(super) fn describe(
     | LightModel::Spot { intensity: sent, .. }
     | LightModel::Directional { irradiance: sent, .. }
     | LightModel::Environment { radiance: sent }) = model;
-    Ok((sent != [0.0; 3]).then(|| LightDescription { source: ps.source.clone(), model }))
+    Ok((sent != [0.0; 3]).then(|| LightDescription { source: ps.source.clone(), model, motion: Vec::new() }))
 }
 
 /// `AreaLightSource "diffuse"` on a shape of `area` m²: that of one of pbrt's shapes, which a mesh's triangles are each.

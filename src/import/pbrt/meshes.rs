@@ -256,6 +256,7 @@ pub(super) fn with_texture_coordinates(mesh: &TriangleMesh) -> TriangleMesh {
     };
     let count = mesh.triangles.len();
     TriangleMesh {
+        deformation: None,
         positions: each(&mesh.positions),
         normals: each(&mesh.normals),
         colours: each(&mesh.colours),

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use self::mesh::MeshSurface;
 use self::shape::ShapeSurface;
-use super::aim::{Cone, Directions, SphereCone};
+use super::aim::{self, Cone, Directions, SphereCone};
 use super::{Aim, Emission, Light, LightSample};
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Frame, Normal3, Point3, Transform, Vec3};
@@ -249,7 +249,15 @@ impl Light for AreaLight {
                 Column::direction(dw_dtheta),
                 Column::direction(dw_dphi),
             ]),
+            motion: Column::ZERO,
         })
+    }
+
+    fn following(&self, u: [f64; 4], aim: &Aim, step: Vec3) -> Column {
+        match self.surface.sample([u[0], u[1]]).filter(|at| AreaLight::cone(at.p, aim).is_some()) {
+            Some(at) => aim::following(at.p, aim, [u[2], u[3]], step),
+            None => Column::ZERO,
+        }
     }
 
     fn emission_inverse(&self, origin: Point3, direction: Dir3, aim: &Aim) -> Option<[f64; 4]> {

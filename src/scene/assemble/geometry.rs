@@ -44,12 +44,12 @@ impl Geometry {
         materials: &Materials,
         report: &mut Report,
     ) -> Geometry {
-        let sound: Vec<bool> = description.meshes.iter_mut().map(|mesh| make_sound(mesh, report)).collect();
+        let sound: Vec<bool> = description.meshes.iter_mut().map(|mesh| make_sound(mesh, shutter, report)).collect();
         warn_about_glass(description, &sound, materials, report);
         let meshes: Vec<TriangleMesh> = description.meshes.iter_mut().map(|m| std::mem::take(&mut m.mesh)).collect();
         let place = |object: &ObjectDescription| place(object, shutter, &sound, report);
         let placed = description.objects.iter().map(place).collect();
-        let mesh_bounds = meshes.iter().map(TriangleMesh::bounds).collect();
+        let mesh_bounds = meshes.iter().map(TriangleMesh::swept_bounds).collect();
         Geometry { meshes, mesh_bounds, placed }
     }
 }

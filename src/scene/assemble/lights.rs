@@ -1,8 +1,12 @@
 //! Light sources: that they send something somewhere.
 
+use std::sync::Arc;
+
 use super::Report;
-use crate::math::{Dir3, Point3, Vec3};
+use super::motion::moving_light;
+use crate::math::{Dir3, Motion, Point3, Transform, Vec3};
 use crate::radiometry::Spectrum;
+use crate::scene::camera::Shutter;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel, SceneDescription};
 use crate::scene::error::Problem;
 use crate::scene::light::{BeamExtent, LightSource};
@@ -10,8 +14,48 @@ use crate::scene::light::{BeamExtent, LightSource};
 /// Cosine between axes up to which they count as perpendicular.
 const PERPENDICULAR: f64 = 1e-6;
 
-pub(super) fn assemble(described: &[LightDescription], report: &mut Report) -> Vec<LightSource> {
-    described.iter().filter_map(|light| assemble_light(light, report)).collect()
+/// The lights, where they are in the middle of the shutter's interval, and how they move meanwhile.
+pub(super) fn assemble(
+    described: &[LightDescription],
+    shutter: Shutter,
+    report: &mut Report,
+) -> (Vec<LightSource>, Vec<Option<Arc<Motion>>>) {
+    let sources = described.iter().enumerate().filter_map(|(i, light)| {
+        let source = assemble_light(light, report)?;
+        let (place, motion) = moving_light(&format!("light {i}"), &light.motion, shutter, report)?;
+        Some((moved(source, &place, light, report), motion))
+    });
+    sources.unzip()
+}
+
+/// The light where a rigid map puts it.
+fn moved(source: LightSource, place: &Transform, described: &LightDescription, report: &mut Report) -> LightSource {
+    let turned = |w: Dir3| Dir3::new(place.vector(w.to_vec())).unwrap_or(w);
+    match source {
+        source if place.is_identity() => source,
+        LightSource::Point { position, intensity } => LightSource::Point { position: place.point(position), intensity },
+        LightSource::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+            let (position, direction) = (place.point(position), turned(direction));
+            LightSource::Spot { position, direction, intensity, cos_inner, cos_outer }
+        }
+        LightSource::Directional { direction, irradiance, extent } => {
+            let extent = match extent {
+                BeamExtent::Unbounded => BeamExtent::Unbounded,
+                BeamExtent::Rectangle { centre, a, b } => {
+                    BeamExtent::Rectangle { centre: place.point(centre), a: place.vector(a), b: place.vector(b) }
+                }
+                BeamExtent::Disk { centre, radius } => BeamExtent::Disk { centre: place.point(centre), radius },
+            };
+            LightSource::Directional { direction: turned(direction), irradiance, extent }
+        }
+        LightSource::Environment { .. } => {
+            let problem = Problem::new("light: the environment is the same everywhere, it has no motion");
+            report.problem(problem.help("take `motion` away").at(&described.source));
+            source
+        }
+        // Made of objects later on.
+        LightSource::Area { .. } => source,
+    }
 }
 
 /// At least one light must emit something.

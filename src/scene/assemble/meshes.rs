@@ -1,9 +1,13 @@
 //! Meshes: finite vertices, indices in range, triangles with an area, and what their edges say about the solid.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::Report;
 use crate::math::Point3;
+use crate::scene::camera::Shutter;
+use crate::scene::deformation::MAX_STEPS;
 use crate::scene::description::MeshDescription;
 use crate::scene::error::Problem;
 use crate::scene::mesh::TriangleMesh;
@@ -15,11 +19,32 @@ const DEGENERATE: f64 = 1e-12;
 const MAX_ELEMENTS: usize = u32::MAX as usize - 1;
 
 /// Drops triangles without area, with a warning; `false` after reporting what cannot be mended.
-pub(super) fn make_sound(described: &mut MeshDescription, report: &mut Report) -> bool {
+pub(super) fn make_sound(described: &mut MeshDescription, shutter: Shutter, report: &mut Report) -> bool {
+    is_sound(described, report) && at_shutter(described, shutter, report) && drop_degenerate(described, report)
+}
+
+/// Leaves of the mesh's shapes what the shutter sees; `false` after reporting that this is too much.
+fn at_shutter(described: &mut MeshDescription, shutter: Shutter, report: &mut Report) -> bool {
+    let Some(deformation) = described.mesh.deformation.take() else { return true };
+    if !shutter.is_instant() && deformation.step_count(shutter) > MAX_STEPS as f64 {
+        let message = format!(
+            "the shutter is open for {:.0} frames of the mesh, at most {MAX_STEPS} can be held",
+            deformation.step_count(shutter)
+        );
+        report.problem(Problem::new(message).help("open the shutter for less time").at(&described.source));
+        return false;
+    }
+    let middle = deformation.at(shutter.middle());
+    (described.mesh.positions, described.mesh.normals) = (middle.positions, middle.normals);
+    described.mesh.deformation = deformation.seen(shutter).map(Arc::new);
+    true
+}
+
+fn is_sound(described: &MeshDescription, report: &mut Report) -> bool {
     let source = described.source.clone();
     let before = report.problems.len();
     let mut refuse = |message: String, help: &str| report.problem(Problem::new(message).help(help).at(&source));
-    let TriangleMesh { positions, normals, uvs, colours, triangles } = &described.mesh;
+    let TriangleMesh { positions, normals, uvs, colours, triangles, deformation } = &described.mesh;
     let vertices = positions.len();
     if triangles.is_empty() {
         refuse("the mesh has no triangle".to_owned(), "is the file empty, or all points and lines?");
@@ -44,12 +69,21 @@ pub(super) fn make_sound(described: &mut MeshDescription, report: &mut Report) -
     if let Some(i) = colours.iter().position(|colour| !colour.iter().all(|c| (0.0..=1.0).contains(c))) {
         refuse(format!("the colour of vertex {i} is {:?}", colours[i]), "its components must be from 0 to 1");
     }
+    for (i, frame) in deformation.iter().flat_map(|deformation| &deformation.frames).enumerate() {
+        let finite = frame.positions.iter().flatten().all(|x| x.is_finite());
+        if !finite || !frame.normals.iter().all(|n| is_unit(*n)) {
+            refuse(
+                format!("frame {i} of the mesh has a vertex that is not finite, or a normal not of unit length"),
+                "",
+            );
+        }
+    }
     let out_of_range = |t: &[u32; 3]| t.iter().any(|&i| i as usize >= vertices);
     if let Some(prim) = triangles.iter().position(out_of_range) {
         let message = format!("triangle {prim} names the vertices {:?} of {vertices}", triangles[prim]);
         report.problem(Problem::new(message).help("vertices count from 0").at(&described.triangle_source(prim)));
     }
-    report.problems.len() == before && drop_degenerate(described, report)
+    report.problems.len() == before
 }
 
 fn is_unit(n: [f32; 3]) -> bool {
@@ -59,8 +93,9 @@ fn is_unit(n: [f32; 3]) -> bool {
 
 fn drop_degenerate(described: &mut MeshDescription, report: &mut Report) -> bool {
     let mesh = &described.mesh;
-    let degenerate: Vec<bool> =
-        (0..mesh.triangles.len() as u32).map(|prim| is_degenerate(mesh.corners(prim))).collect();
+    let degenerate: Vec<bool> = (0..mesh.triangles.len() as u32)
+        .map(|prim| mesh.deformation.is_none() && is_degenerate(mesh.corners(prim)))
+        .collect();
     let count = degenerate.iter().filter(|d| **d).count();
     let Some(first) = degenerate.iter().position(|d| *d) else { return true };
     let at = described.triangle_source(first);

@@ -23,7 +23,7 @@ use super::light::LightSource;
 use super::material::Material;
 use super::object::{Object, ObjectGeometry};
 use super::settings::{Indirect, MAX_PHOTONS_PER_PASS, Method, RenderSettings};
-use super::{CameraSettings, Scene};
+use super::{CameraSettings, Scene, TriangleMesh};
 use crate::math::Bounds3;
 use crate::radiometry::Spectrum;
 
@@ -62,7 +62,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     check_settings(&description, &mut report);
     let materials = Materials::assemble(&description, &mut report);
     let geometry = Geometry::assemble(&mut description, shutter, &materials, &mut report);
-    let mut lights = lights::assemble(&description.lights, &mut report);
+    let (mut lights, light_motions) = lights::assemble(&description.lights, shutter, &mut report);
     let objects = place_objects(&description, shutter, &materials, &geometry, &mut lights, &mut report);
     check_names(&description, &mut report);
     lights::check_some_light(&lights, &description, &mut report);
@@ -73,10 +73,14 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let Report { problems, warnings } = report;
     // Without a camera there is a problem, so the default is never seen.
     let Some(camera) = camera else { return Err(problems) };
-    let moves = !camera.motion.is_empty() || objects.iter().any(Object::moves);
+    let lights_move = light_motions.iter().any(Option::is_some);
+    let moves = lights_move
+        || !camera.motion.is_empty()
+        || objects.iter().any(Object::moves)
+        || geometry.meshes.iter().any(TriangleMesh::changes);
     let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
-    problems.into_result((Scene { bounds, shutter, ..scene }, warnings))
+    problems.into_result((Scene { bounds, shutter, light_motions, ..scene }, warnings))
 }
 
 fn scene(
@@ -94,6 +98,7 @@ fn scene(
         materials: materials.materials,
         textures: materials.textures,
         lights,
+        light_motions: Vec::new(),
         camera,
         shutter: Shutter::instant(0.0),
         settings,
@@ -132,6 +137,11 @@ fn place_objects(
             if let ShapeDescription::HeightField { .. } = item.shape {
                 let problem = Problem::new(format!("`{}` is a height field, which cannot be a light", item.name));
                 report.problem(problem.help("make it a mesh, or a rectangle").at(&emission.source));
+            }
+            if own.mesh().is_some_and(|mesh| geometry.meshes[mesh.index()].changes()) {
+                let problem = Problem::new(format!("`{}` emits and changes its shape", item.name));
+                let help = "let a mesh that emits have one `file`, or take `emission` away";
+                report.problem(problem.help(help).at(&emission.source));
             }
             lights.push(LightSource::Area { object, radiance, two_sided: emission.two_sided });
             LightId(lights.len() as u32 - 1)

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::Report;
 use super::geometry::transform;
-use crate::math::{Motion, MotionError, Transform};
+use crate::math::{Motion, MotionError, Transform, Vec3};
 use crate::scene::camera::Shutter;
 use crate::scene::description::{MotionKey, ObjectDescription, TransformMap};
 use crate::scene::error::{Problem, Source};
@@ -32,30 +32,68 @@ pub(super) fn moving(
     if object.motion.is_empty() {
         return Some((placed, None));
     }
-    let keys: Vec<Option<(f64, Transform)>> = object
-        .motion
-        .iter()
-        .map(|key| transform(&object.name, &key.transform, &key.source, report).map(|map| (key.time, map)))
-        .collect();
+    let subject = Subject { name: &object.name, keys: &object.motion, is_light: object.emission.is_some() };
+    through_keys(&subject, &placed, shutter, report)
+}
+
+/// Where a light is in the middle of the shutter's interval, as a map of what it says of itself, and how it moves meanwhile.
+pub(super) fn moving_light(
+    name: &str,
+    keys: &[MotionKey],
+    shutter: Shutter,
+    report: &mut Report,
+) -> Option<(Transform, Option<Arc<Motion>>)> {
+    if keys.is_empty() {
+        return Some((Transform::IDENTITY, None));
+    }
+    through_keys(&Subject { name, keys, is_light: true }, &Transform::IDENTITY, shutter, report)
+}
+
+/// What moves.
+struct Subject<'a> {
+    name: &'a str,
+    keys: &'a [MotionKey],
+    is_light: bool,
+}
+
+fn through_keys(
+    subject: &Subject<'_>,
+    placed: &Transform,
+    shutter: Shutter,
+    report: &mut Report,
+) -> Option<(Transform, Option<Arc<Motion>>)> {
+    let Subject { name, keys: described, is_light } = *subject;
+    let keys = described.iter().map(|key| Some((key.time, transform(name, &key.transform, &key.source, report)?)));
+    let keys: Vec<Option<(f64, Transform)>> = keys.collect();
     let keys: Vec<(f64, Transform)> = keys.into_iter().collect::<Option<_>>()?;
-    check_turns(object, report);
-    let motion = match Motion::new(&keys, &placed) {
+    check_turns(subject, report);
+    let motion = match Motion::new(&keys, placed) {
         Ok(motion) => motion,
         Err(error) => {
-            let problem = Problem::new(format!("the motion of `{}` is none: {error}", object.name));
-            report.problem(problem.help(help(&error)).at(source(object, &error)));
+            let problem = Problem::new(format!("the motion of `{name}` is none: {error}"));
+            report.problem(problem.help(help(&error)).at(source(described, &error)));
             return None;
         }
     };
     if shutter.is_instant() || motion.is_still(shutter.open, shutter.close) {
         return Some((motion.at(shutter.open), None));
     }
-    if let Some(emission) = &object.emission {
-        let problem = Problem::new(format!("`{}` emits and moves while the shutter is open", object.name));
-        let help = "lights must stand still: take `motion` or `emission` away, or make the shutter an instant";
-        report.problem(problem.help(help).at(&emission.source));
+    let stretches = |(_, map): &(f64, Transform)| !is_rigid(map);
+    if let Some(key) = keys.iter().position(stretches).filter(|_| is_light) {
+        let problem = Problem::new(format!("`{name}` is a light, and this key of its motion changes its size"));
+        let help = "lights move as rigid bodies, by `translate` and `rotate`; a scale may stand in `transform`";
+        report.problem(problem.help(help).at(&described[key].source));
     }
     Some((motion.at(shutter.middle()), Some(Arc::new(motion))))
+}
+
+/// Whether lengths and angles stay what they are, but for rounding, and right-handed frames right-handed.
+fn is_rigid(map: &Transform) -> bool {
+    const ROUNDING: f64 = 1e-9;
+    let [x, y, z] = map.columns();
+    let unit = |v: Vec3| (v.length_squared() - 1.0).abs() < ROUNDING;
+    let right = |a: Vec3, b: Vec3| a.dot(b).abs() < ROUNDING;
+    [x, y, z].into_iter().all(unit) && right(x, y) && right(y, z) && right(z, x) && !map.flips_handedness()
 }
 
 fn help(error: &MotionError) -> &'static str {
@@ -70,20 +108,20 @@ fn help(error: &MotionError) -> &'static str {
 }
 
 /// The key that an error is about.
-fn source<'a>(object: &'a ObjectDescription, error: &MotionError) -> &'a Source {
+fn source<'a>(keys: &'a [MotionKey], error: &MotionError) -> &'a Source {
     match *error {
-        MotionError::TooFewKeys => &object.motion[0].source,
-        MotionError::Order { later } | MotionError::Mirrors { later } => &object.motion[later].source,
-        MotionError::HalfTurn { earlier } => &object.motion[earlier + 1].source,
+        MotionError::TooFewKeys => &keys[0].source,
+        MotionError::Order { later } | MotionError::Mirrors { later } => &keys[later].source,
+        MotionError::HalfTurn { earlier } => &keys[earlier + 1].source,
     }
 }
 
 /// A turn goes the short way between two keys, which is not what two angles further apart than half a turn say.
-fn check_turns(object: &ObjectDescription, report: &mut Report) {
-    for pair in object.motion.windows(2) {
+fn check_turns(subject: &Subject<'_>, report: &mut Report) {
+    for pair in subject.keys.windows(2) {
         let [from, to] = pair else { continue };
         if let Some(degrees) = widest_turn(from, to).filter(|degrees| *degrees > 180.0) {
-            let message = format!("`{}` turns by {degrees} degrees between two keys", object.name);
+            let message = format!("`{}` turns by {degrees} degrees between two keys", subject.name);
             let help = "between keys it turns the short way, by less than 180 degrees: give keys in between";
             report.problem(Problem::new(message).help(help).at(&to.source));
         }

@@ -6,12 +6,12 @@ mod meshes;
 use std::sync::Arc;
 
 use crate::support::scene::scene;
-use crate::support::worlds::{Numbers, icosphere, mesh, moving, placed, placements, rays, shapes, soup};
+use crate::support::worlds::{Numbers, deforming, icosphere, mesh, moving, placed, placements, rays, shapes, soup};
 use pdembree::backend::crosscheck::{Crosscheck, Query, RayKind};
 use pdembree::backend::{Backend, BackendError, BruteBackend, Geometry, build, build_over};
 use pdembree::math::{Dir3, Point3, Ray, Transform, Vec3};
 use pdembree::scene::settings::BackendKind;
-use pdembree::scene::{ObjectGeometry, Scene};
+use pdembree::scene::{ObjectGeometry, Scene, Shutter};
 
 /// Every backend that this build has.
 fn backends(scene: &Scene) -> Vec<Box<dyn Backend>> {
@@ -55,6 +55,14 @@ fn all_worlds() -> Vec<(&'static str, Scene)> {
     worlds.extend(moves);
     half.objects.iter_mut().step_by(2).for_each(|object| object.motion = None);
     worlds.push(("half of it moving", half));
+    let deforming = ["baked", "instances", "mixed"].map(|name| {
+        let (_, from) = worlds.iter().find(|(of, _)| *of == name).expect("one of them").clone();
+        let meshes: Vec<_> = from.meshes.into_iter().zip(30..).map(|(mesh, seed)| deforming(seed, mesh)).collect();
+        let geometry = from.objects.into_iter().map(|object| object.geometry).collect();
+        let deforming = Scene { shutter: Shutter { open: 0.0, close: 1.0 }, ..scene(geometry, meshes) };
+        [("deforming", deforming.clone()), ("moving and deforming", moving(21, deforming))]
+    });
+    worlds.extend(deforming.into_iter().flatten());
     worlds
 }
 
