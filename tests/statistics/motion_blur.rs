@@ -234,8 +234,8 @@ irradiance = 1
 "#;
 
 /// The still picture's, the blurred one's and the many cells' differences from the mean of many instants, over the size of
-/// that mean; and the energy of the blurred one over that of the mean.
-fn against_instants(scene: &str) -> ([f64; 3], f64) {
+/// that mean; and the energies of the last two over that of the mean.
+fn against_instants(scene: &str) -> ([f64; 3], [f64; 2]) {
     const INSTANTS: u32 = 24;
     let mut mean = vec![0.0; 48 * 48];
     for i in 0..INSTANTS {
@@ -247,8 +247,9 @@ fn against_instants(scene: &str) -> ([f64; 3], f64) {
     let [still, few, many] = [("[0.5, 0.5]", "1"), ("[0, 1]", "4"), ("[0, 1]", "64")].map(|(shutter, cells)| {
         caustic(scene, &[("camera.shutter", shutter), ("render.photons", "100000"), ("render.time_cells", cells)])
     });
-    let energy = few.iter().sum::<f64>() / mean.iter().sum::<f64>();
-    ([still, few, many].map(|picture| rmse(&picture, &mean) / scale), energy)
+    let energy = |picture: &[f64]| picture.iter().sum::<f64>() / mean.iter().sum::<f64>();
+    let energies = [&few, &many].map(|picture| energy(picture));
+    ([still, few, many].map(|picture| rmse(&picture, &mean) / scale), energies)
 }
 
 /// Lights that move, and a mesh that changes its shape, blur the caustic as many instants do.
@@ -257,11 +258,12 @@ fn moving_lights_and_meshes_that_change_blur_as_many_instants_do() {
     let lamps = LAMPS.iter().map(|(name, light)| (*name, ball_under(light)));
     let block = BALL.split("[[objects]]\nshape = \"sphere\"").next().expect("the floor").to_owned() + BLOCK;
     for (name, scene) in lamps.chain([("block", block)]) {
-        let ([still, few, many], energy) = against_instants(&scene);
-        println!("{name}: still {still:.4}, 4 cells {few:.4}, 64 cells {many:.4}; energy {energy:.5}");
+        let ([still, few, many], [of_few, of_many]) = against_instants(&scene);
+        println!("{name}: still {still:.4}, 4 cells {few:.4}, 64 cells {many:.4}; energies {of_few:.5}, {of_many:.5}");
         assert!(few < 0.35 * still && few < 0.1, "{name}: {few} of {still}");
-        // Of the blurred one's 100 000 and the instants' 20 000 photons each. The block hides some of the floor that it lights:
-        // there a picture need not keep the light.
-        assert!((energy - 1.0).abs() < 0.005 || name == "block", "{name}: {energy}");
+        // Of the blurred ones' 100 000 and the instants' 20 000 photons each. The block hides some of the floor that it lights,
+        // and where four long steps put light is not always in sight.
+        let in_few = if name == "block" { 0.03 } else { 0.005 };
+        assert!((of_many - 1.0).abs() < 0.005 && (of_few - 1.0).abs() < in_few, "{name}: {of_few}, {of_many}");
     }
 }
