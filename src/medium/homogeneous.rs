@@ -46,6 +46,26 @@ impl Medium {
     }
 }
 
+impl Medium {
+    /// A place within `length` for the next event of light that carries `beta`, and what `beta` is to be multiplied by for
+    /// what happens there; the rest of the light goes on. `None` where nothing can happen.
+    pub fn draw_within(&self, beta: Spectrum, length: f64, u: [f64; 2]) -> Option<(f64, Spectrum)> {
+        let sigma = self.extinction().to_array();
+        let shares = shares(beta);
+        // 1 − T_c(length).
+        let chances = sigma.map(|s| if s > 0.0 { -(-s * length).exp_m1() } else { 0.0 });
+        let drawn = chosen(&shares, u[0]);
+        if chances[drawn] <= 0.0 {
+            return None;
+        }
+        let distance = (-(-u[1] * chances[drawn]).ln_1p() / sigma[drawn]).min(length);
+        let left = self.transmittance(distance);
+        let term = |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left.to_array()[c] } else { 0.0 };
+        let density: f64 = (0..3).map(term).sum();
+        (density > 0.0).then(|| (distance, self.scattering * left / density))
+    }
+}
+
 /// How likely each channel is chosen.
 fn shares(beta: Spectrum) -> [f64; 3] {
     let beta = beta.to_array();

@@ -21,12 +21,13 @@ pub struct Regions {
     pub has_interfaces: bool,
     /// Around every object that has an inside.
     solids: Vec<Bounds3>,
-    atmosphere: Option<Atmosphere>,
+    /// Around all objects; no medium reaches farther.
+    whole: Sphere,
+    atmosphere: Option<MediumId>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Atmosphere {
-    medium: MediumId,
+struct Sphere {
     centre: Point3,
     radius: f64,
 }
@@ -63,12 +64,19 @@ impl Regions {
             has_interfaces: media.has_interfaces,
             solids: solids.map(|(object, _)| object.bounds).collect(),
             interiors,
-            atmosphere: media.atmosphere.map(|medium| Atmosphere { medium, centre, radius }),
+            whole: Sphere { centre, radius },
+            atmosphere: media.atmosphere,
         })
     }
 
     pub fn get(&self, id: MediumId) -> &Medium {
         &self.media[id.index()]
+    }
+
+    /// Whether some medium scatters.
+    pub fn scatter(&self) -> bool {
+        let filled = self.interiors.iter().filter_map(|interior| interior.as_ref()?.medium).chain(self.atmosphere);
+        filled.into_iter().any(|id| self.get(id).scatters())
     }
 
     /// Whether the object is nothing but the boundary of a medium.
@@ -105,11 +113,16 @@ impl Regions {
                 about = interior;
             }
         }
-        let stretch = match (about, &self.atmosphere) {
+        let stretch = match (about, self.atmosphere) {
+            // An open surface's inside ends with the scene.
+            (Some(interior), _) if length.is_infinite() => {
+                let [_, to] = self.whole.chord(origin, w)?;
+                Stretch { medium: interior.medium?, from: 0.0, to }
+            }
             (Some(interior), _) => Stretch { medium: interior.medium?, from: 0.0, to: length },
-            (None, Some(atmosphere)) => {
-                let [from, to] = chord(origin, w, atmosphere)?;
-                Stretch { medium: atmosphere.medium, from: from.max(0.0), to: to.min(length) }
+            (None, Some(medium)) => {
+                let [from, to] = self.whole.chord(origin, w)?;
+                Stretch { medium, from: from.max(0.0), to: to.min(length) }
             }
             (None, None) => return None,
         };
@@ -117,12 +130,14 @@ impl Regions {
     }
 }
 
-/// The distances at which a ray enters and leaves the atmosphere.
-fn chord(origin: Point3, w: Dir3, atmosphere: &Atmosphere) -> Option<[f64; 2]> {
-    let to_centre = atmosphere.centre - origin;
-    let along = to_centre.dot(w.to_vec());
-    let off = (to_centre - w * along).length_squared();
-    let half = (atmosphere.radius * atmosphere.radius - off).sqrt();
-    // Not a number beside the sphere.
-    (half > 0.0).then_some([along - half, along + half])
+impl Sphere {
+    /// The distances at which a ray enters and leaves it.
+    fn chord(&self, origin: Point3, w: Dir3) -> Option<[f64; 2]> {
+        let to_centre = self.centre - origin;
+        let along = to_centre.dot(w.to_vec());
+        let off = (to_centre - w * along).length_squared();
+        let half = (self.radius * self.radius - off).sqrt();
+        // Not a number beside the sphere.
+        (half > 0.0).then_some([along - half, along + half])
+    }
 }

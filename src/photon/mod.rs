@@ -1,5 +1,6 @@
 //! Photons: emit → trace → map.
 
+pub mod beam;
 pub mod bounce;
 mod columns;
 mod edge;
@@ -18,6 +19,7 @@ pub mod sweep;
 pub mod time_cells;
 pub mod trace;
 
+pub use beam::{Beam, BeamWidth};
 pub use bounce::Bounces;
 pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population};
 pub use kinds::Kinds;

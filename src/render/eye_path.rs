@@ -135,7 +135,7 @@ impl EyePathTracer<'_> {
     ) -> EyeSample {
         let walk = &mut Walk::new(camera_ray, start, turn);
         if self.world.regions.is_some() {
-            walk.inside = self.world.inside_at_camera(&walk.ray);
+            walk.inside = self.world.inside(walk.ray.origin, walk.ray.time);
         }
         let mut sample = EyeSample::default();
         let mut seen_scatter = false;

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::World;
+use crate::math::float::origin_offset;
 use crate::math::{Dir3, Point3, Ray};
 use crate::medium::{Inside, Regions, Stretch};
 use crate::radiometry::Spectrum;
@@ -13,6 +14,7 @@ use crate::surface::Interaction;
 const MAX_CROSSINGS: u32 = 1000;
 
 /// How a flight ended.
+#[expect(clippy::large_enum_variant, reason = "it is looked at where it is made, and most flights end at a surface")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flown<T> {
     /// At a surface; its `t` is the distance from where the flight began.
@@ -24,14 +26,14 @@ pub enum Flown<T> {
 }
 
 impl World {
-    /// Leads `visit` along the ray, stretch by stretch of media, to the first surface that light notices. `inside` is what
+    /// Leads `visit` along the ray, stretch by stretch of media and with what the ray is inside of there, to the first surface that light notices. `inside` is what
     /// the ray is inside of, at its start and then at its end.
     pub fn fly<T>(
         &self,
         regions: &Regions,
         ray: &Ray,
         inside: &mut Inside,
-        mut visit: impl FnMut(&Stretch) -> ControlFlow<T>,
+        mut visit: impl FnMut(&Stretch, Inside) -> ControlFlow<T>,
     ) -> Flown<T> {
         let w = Dir3::from_unit(ray.direction);
         let mut leg = *ray;
@@ -41,7 +43,7 @@ impl World {
             let length = si.as_ref().map_or(leg.t_max, |si| si.t);
             if let Some(stretch) = regions.stretch(*inside, leg.origin, w, length) {
                 let stretch = Stretch { from: flown + stretch.from, to: flown + stretch.to, ..stretch };
-                if let ControlFlow::Break(stopped) = visit(&stretch) {
+                if let ControlFlow::Break(stopped) = visit(&stretch, *inside) {
                     return Flown::Stopped(stopped);
                 }
             }
@@ -61,7 +63,7 @@ impl World {
     /// The first surface along the ray that light notices, and what of the light gets there, or out of the scene.
     pub fn cross(&self, regions: &Regions, ray: &Ray, inside: &mut Inside) -> (Option<Interaction>, Spectrum) {
         let mut left = Spectrum::ONE;
-        let flown = self.fly(regions, ray, inside, |stretch| {
+        let flown = self.fly(regions, ray, inside, |stretch, _| {
             left *= regions.get(stretch.medium).transmittance(stretch.length());
             ControlFlow::<()>::Continue(())
         });
@@ -74,7 +76,7 @@ impl World {
     /// The first surface along the ray that light notices.
     pub fn first_surface(&self, ray: &Ray) -> Option<Interaction> {
         match &self.regions {
-            Some(regions) if regions.has_interfaces => self.cross(regions, ray, &mut Inside::NOTHING).0,
+            Some(regions) if regions.has_interfaces => self.cross(regions, ray, &mut Inside::default()).0,
             _ => self.intersect(ray),
         }
     }
@@ -113,16 +115,11 @@ impl World {
         }
     }
 
-    /// What a camera's ray is inside of where it starts.
-    pub fn inside_at_camera(&self, ray: &Ray) -> Inside {
-        let up = Dir3::new(self.scene.camera.up).unwrap_or(Dir3::Z);
-        self.inside(ray.origin, up, ray.time)
-    }
-
-    /// What a point at `time` is inside of: the objects that a ray from it along `up` leaves without having entered them.
-    /// An open surface bounds a medium as far as such rays meet it.
-    pub fn inside(&self, p: Point3, up: Dir3, time: f64) -> Inside {
+    /// What a point at `time` is inside of: the objects that a ray from it upwards, as the camera has it, leaves without
+    /// having entered them. An open surface bounds a medium as far as such rays meet it.
+    pub fn inside(&self, p: Point3, time: f64) -> Inside {
         let Some(regions) = self.regions.as_ref().filter(|regions| regions.may_hold(p)) else { return Inside::NOTHING };
+        let up = Dir3::new(self.scene.camera.up).unwrap_or(Dir3::Z);
         let mut left = Vec::new();
         let mut entered = Vec::new();
         let mut ray = Ray::new(p, up).at_time(time);
@@ -150,5 +147,20 @@ pub struct MediumPoint {
     pub p: Point3,
     /// Distance along the ray that came here, m.
     pub t: f64,
+    /// s.
+    pub time: f64,
     pub medium: MediumId,
+}
+
+impl MediumPoint {
+    /// The ray to what lies `distance` along `wi`, as [`World::shadow_ray`] from a surface; it stops short of the light's own
+    /// surface by what rounding may have moved that.
+    pub fn shadow_ray(&self, wi: Dir3, distance: f64) -> Ray {
+        let ray = Ray::new(self.p, wi).at_time(self.time);
+        if distance.is_infinite() {
+            return ray;
+        }
+        let farthest = self.p.abs().max((self.p + wi * distance).abs()).max_element();
+        Ray { t_max: distance * (1.0 - 1e-6) - 2.0 * origin_offset(farthest), ..ray }
+    }
 }

@@ -9,7 +9,6 @@ use std::ops::ControlFlow;
 
 use super::{EyePathTracer, Walk, survives_roulette};
 use crate::film::{EyeSample, LightKind, Part};
-use crate::math::float::origin_offset;
 use crate::math::Ray;
 use crate::medium::{HenyeyGreenstein, Regions};
 use crate::radiometry::measure::power_heuristic;
@@ -24,7 +23,7 @@ impl EyePathTracer<'_> {
             && !walk.looks_for_lights_only
             && walk.bounces <= self.max_bounces;
         let (ray, beta) = (walk.ray, &mut walk.beta);
-        self.world.fly(regions, &ray, &mut walk.inside, |stretch| {
+        self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
             let medium = regions.get(stretch.medium);
             if !may_scatter || !medium.scatters() {
                 *beta *= medium.transmittance(stretch.length());
@@ -36,7 +35,7 @@ impl EyePathTracer<'_> {
                 None => ControlFlow::Continue(()),
                 Some(distance) => {
                     let t = stretch.from + distance;
-                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, medium: stretch.medium })
+                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
                 }
             }
         })
@@ -107,7 +106,7 @@ impl EyePathTracer<'_> {
             return;
         }
         let value = phase.between(walk.w, found.wi);
-        let ray = shadow_ray(at, &found, walk.ray.time);
+        let ray = at.shadow_ray(found.wi, found.distance);
         let Some(left) = self.world.transmittance(regions, &ray, walk.inside) else { return };
         let weight = match found.pdf {
             None => 1.0,
@@ -119,16 +118,3 @@ impl EyePathTracer<'_> {
         sample.add(LightKind { part, arrival: walk.walked.straight_at(false) }, light);
     }
 }
-
-/// From a place in a medium to a light; it stops short of the light's own surface by what rounding may have moved that.
-fn shadow_ray(at: &MediumPoint, found: &crate::light::LightSample, time: f64) -> Ray {
-    let ray = Ray::new(at.p, found.wi).at_time(time);
-    if found.distance.is_infinite() {
-        return ray;
-    }
-    let error = origin_offset(at.p.abs().max_element().max((at.p + found.wi * found.distance).abs().max_element()));
-    Ray { t_max: found.distance * (1.0 - SHORT) - 2.0 * error, ..ray }
-}
-
-/// As [`crate::world::World::shadow_ray`].
-const SHORT: f64 = 1e-6;
