@@ -64,7 +64,12 @@ impl Warp for HenyeyGreenstein {
         let half = ((1.0 - r) * (1.0 + r)).max(RIM);
         let s = 2.0 * half - 1.0;
         let (stretch, a) = (1.0 + g * s, 2.0 + g * s);
-        let cos = (s + 0.5 * g * (s * s + 3.0) + g * g * s + 0.5 * g * g * g * (s * s - 1.0)) / (stretch * stretch);
+        // From the pole that is the nearer one for most directions.
+        let cos = if g >= 0.0 {
+            1.0 - (1.0 - g) * (1.0 - g) * r * r * (a + g) / (stretch * stretch)
+        } else {
+            (1.0 + g) * (1.0 + g) * half * (a - g) / (stretch * stretch) - 1.0
+        };
         // sin = r q(s), q = (1 − g²) √A/(1 + gs)², A = (1 + s)/2 ((2 + gs)² − g²).
         let b = (a - g) * (a + g);
         let root = (half * b).sqrt();

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::math::{Point3, Vec3};
+use crate::math::{Dir3, Point3, Vec3};
 
 /// Children of a node.
 pub const WIDTH: usize = 8;
@@ -54,6 +54,25 @@ impl OuterBox {
     }
 }
 
+/// A ray made ready to be held against boxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabRay {
+    origin: [f64; 3],
+    /// Of the direction; of a component that is zero that of a tiny one, so that no difference of zero becomes NaN.
+    inverse: [f64; 3],
+    length: f64,
+}
+
+impl SlabRay {
+    pub fn new(origin: Point3, w: Dir3, length: f64) -> SlabRay {
+        let inverse = w.to_vec().to_array().map(|c| 1.0 / if c.abs() < TINY { TINY } else { c });
+        SlabRay { origin: origin.to_vec().to_array(), inverse, length }
+    }
+}
+
+/// A component of a direction that bends a ray by less than boxes are rounded.
+const TINY: f64 = 1e-30;
+
 /// Eight boxes, coordinate by coordinate.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
@@ -72,6 +91,20 @@ impl Boxes {
     }
     fn union(&self) -> OuterBox {
         (0..WIDTH).map(|lane| self.get(lane)).fold(OuterBox::EMPTY, OuterBox::union)
+    }
+    /// Those that a ray meets.
+    #[inline(always)]
+    pub fn met(&self, ray: &SlabRay) -> Lanes {
+        let (mut near, mut far) = ([0.0f64; WIDTH], [ray.length; WIDTH]);
+        for k in 0..3 {
+            for i in 0..WIDTH {
+                let a = (f64::from(self.lo[k][i]) - ray.origin[k]) * ray.inverse[k];
+                let b = (f64::from(self.hi[k][i]) - ray.origin[k]) * ray.inverse[k];
+                near[i] = near[i].max(a.min(b));
+                far[i] = far[i].min(a.max(b));
+            }
+        }
+        Lanes::from(array::from_fn(|i| near[i] <= far[i]))
     }
     /// Those that overlap `bounds`.
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Photons: emit → trace → map.
 
 pub mod beam;
+pub mod beam_map;
 pub mod bounce;
 mod columns;
 mod edge;

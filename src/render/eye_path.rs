@@ -8,6 +8,7 @@
 
 mod medium;
 
+use super::beam_light::BeamLight;
 use super::partition::{EyeFinds, EyeTask, Walked};
 use crate::camera::CameraRay;
 use crate::differential::{Column, Differential, Refraction, reflect, refract, transfer};
@@ -44,6 +45,8 @@ impl Query {
 pub struct EyePathTracer<'a> {
     pub world: &'a World,
     pub task: &'a EyeTask,
+    /// What photons bring in media that scatter.
+    pub beams: Option<&'a BeamLight>,
     pub max_depth: u32,
     pub max_bounces: u32,
     /// Semi-axes of an eye sample's footprint, in pixels.
@@ -142,7 +145,7 @@ impl EyePathTracer<'_> {
         for edge in 1..=self.max_depth {
             let met = match &self.world.regions {
                 None => self.world.intersect(&walk.ray),
-                Some(regions) => match self.fly(regions, walk, &mut stream) {
+                Some(regions) => match self.fly(regions, walk, &mut stream, &mut sample) {
                     Flown::Surface(si) => Some(si),
                     Flown::Escaped => None,
                     Flown::Stopped(at) => {

@@ -149,6 +149,7 @@ impl Canonical {
             passes,
             spp,
             photons,
+            beams,
             emission,
             guiding,
             estimator,
@@ -204,6 +205,10 @@ impl Canonical {
         if *time_kernel != TimeKernel::Variance {
             self.tag("time kernel");
             self.tag(time_kernel.name());
+        }
+        if *beams != RenderSettings::default().beams {
+            self.tag("beams");
+            self.integer(*beams);
         }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");

@@ -8,6 +8,7 @@
 use std::ops::ControlFlow;
 
 use super::{EyePathTracer, Walk, survives_roulette};
+use crate::estimate::beams::EyeSegment;
 use crate::film::{EyeSample, LightKind, Part};
 use crate::math::Ray;
 use crate::medium::{HenyeyGreenstein, Regions};
@@ -18,16 +19,39 @@ use crate::world::{Flown, MediumPoint};
 
 impl EyePathTracer<'_> {
     /// To the next surface, or to where a medium scatters; `walk.beta` is what is left.
-    pub(super) fn fly(&self, regions: &Regions, walk: &mut Walk, stream: &mut Stream) -> Flown<MediumPoint> {
+    pub(super) fn fly(
+        &self,
+        regions: &Regions,
+        walk: &mut Walk,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) -> Flown<MediumPoint> {
         let may_scatter = self.task.finds != EyeFinds::Emitters
             && !walk.looks_for_lights_only
             && walk.bounces <= self.max_bounces;
-        let (ray, beta) = (walk.ray, &mut walk.beta);
+        let asked = self.beams.filter(|_| may_scatter && self.task.finds.leaves_focused() && !walk.shared);
+        let (scattered, straight) = (self.task.finds.leaves_scattered(walk.bounces), walk.walked.straight_at(false));
+        let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
+        let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
+        let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
         self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
             let medium = regions.get(stretch.medium);
             if !may_scatter || !medium.scatters() {
                 *beta *= medium.transmittance(stretch.length());
                 return ControlFlow::Continue(());
+            }
+            if let Some(beams) = asked {
+                let from = stretch.from;
+                let segment = EyeSegment {
+                    origin: ray.at(from),
+                    w,
+                    length: stretch.length(),
+                    id: stretch.medium,
+                    medium,
+                    eye: eye.map(|(dx, dw)| (dx + dw * from, dw)),
+                    bounces,
+                };
+                beams.along(&segment, scattered, straight, |kind, light| sample.add(kind, *beta * light));
             }
             let (event, weight) = medium.draw(*beta, stretch.length(), stream.uniform2());
             *beta *= weight;
