@@ -97,11 +97,12 @@ impl Boxes {
     pub fn met(&self, ray: &SlabRay) -> Lanes {
         let (mut near, mut far) = ([0.0f64; WIDTH], [ray.length; WIDTH]);
         for k in 0..3 {
+            // Not by comparing distances: an empty box has to stay one.
+            let [first, last] =
+                if ray.inverse[k] > 0.0 { [&self.lo[k], &self.hi[k]] } else { [&self.hi[k], &self.lo[k]] };
             for i in 0..WIDTH {
-                let a = (f64::from(self.lo[k][i]) - ray.origin[k]) * ray.inverse[k];
-                let b = (f64::from(self.hi[k][i]) - ray.origin[k]) * ray.inverse[k];
-                near[i] = near[i].max(a.min(b));
-                far[i] = far[i].min(a.max(b));
+                near[i] = near[i].max((f64::from(first[i]) - ray.origin[k]) * ray.inverse[k]);
+                far[i] = far[i].min((f64::from(last[i]) - ray.origin[k]) * ray.inverse[k]);
             }
         }
         Lanes::from(array::from_fn(|i| near[i] <= far[i]))
@@ -315,6 +316,38 @@ mod tests {
                 let found = tree.over(&BoxTree::build(1, |_| point));
                 assert_eq!(found, expected);
                 assert_eq!(tree.any_overlaps(&point), !expected.is_empty());
+            }
+        }
+    }
+
+    /// A ray meets the boxes that some point of it is in, and no empty one.
+    #[test]
+    fn a_ray_meets_all_boxes_that_it_goes_through() {
+        let (n, mut s) = (501, Stream::new(4, Purpose::Test, 0, 0));
+        let all = boxes(n, 0.1, 2);
+        let tree = tree(&all);
+        struct Met<'a>(&'a SlabRay, Vec<usize>);
+        impl Visitor for Met<'_> {
+            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
+                boxes.met(self.0)
+            }
+            fn visit(&mut self, i: usize) -> ControlFlow<()> {
+                self.1.push(i);
+                ControlFlow::Continue(())
+            }
+        }
+        for k in 0..100 {
+            let mut number = || 2.0 * s.uniform() - 1.0;
+            let (origin, along) = (Point3::new(number(), number(), number()), Vec3::new(number(), number(), number()));
+            let w = Dir3::new(if k % 3 == 0 { Vec3::X } else { along }).expect("a direction");
+            let ray = SlabRay::new(origin, w, 2.0);
+            let mut met = Met(&ray, Vec::new());
+            tree.lead(&mut met);
+            assert!(met.1.windows(2).all(|w| w[0] < w[1]) && met.1.iter().all(|&i| i < n));
+            for step in 0..2000 {
+                let p = OuterBox::new(origin + w * (f64::from(step) * 1e-3), Vec3::ZERO);
+                let within = |b: &OuterBox| (0..3).all(|k| b.lo[k] < p.lo[k] && p.hi[k] < b.hi[k]);
+                assert!((0..n).filter(|&i| within(&all[i])).all(|i| met.1.contains(&i)), "ray {k}, step {step}");
             }
         }
     }
