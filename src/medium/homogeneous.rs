@@ -60,7 +60,8 @@ impl Medium {
         }
         let distance = (-(-u[1] * chances[drawn]).ln_1p() / sigma[drawn]).min(length);
         let left = self.transmittance(distance);
-        let term = |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left.to_array()[c] } else { 0.0 };
+        let term =
+            |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left.to_array()[c] } else { 0.0 };
         let density: f64 = (0..3).map(term).sum();
         (density > 0.0).then(|| (distance, self.scattering * left / density))
     }
@@ -93,11 +94,8 @@ mod tests {
     use super::*;
     use crate::sampling::{Purpose, Stream};
 
-    const MEDIUM: Medium = Medium {
-        absorption: Spectrum::rgb(0.2, 0.0, 1.0),
-        scattering: Spectrum::rgb(0.5, 0.0, 3.0),
-        asymmetry: 0.0,
-    };
+    const MEDIUM: Medium =
+        Medium { absorption: Spectrum::rgb(0.2, 0.0, 1.0), scattering: Spectrum::rgb(0.5, 0.0, 3.0), asymmetry: 0.0 };
 
     #[test]
     fn light_gets_as_far_as_beer_and_lambert_say() {
@@ -108,11 +106,37 @@ mod tests {
         assert_eq!(MEDIUM.transmittance(f64::INFINITY), Spectrum::rgb(0.0, 1.0, 0.0));
     }
 
+    /// What happens within a length is ∫ σ_s T = σ_s (1 − T(length))/σ_t of the light, wherever it is drawn.
+    #[test]
+    fn places_within_a_length_stand_for_all_that_happens_there() {
+        let length = 0.8;
+        for (seed, beta) in [(4, Spectrum::ONE), (5, Spectrum::rgb(1.0, 0.0, 0.05))] {
+            let mut stream = Stream::new(seed, Purpose::Test, 0, 0);
+            let n = 50_000;
+            let mut sums = [[0.0; 2]; 3];
+            for _ in 0..n {
+                let Some((distance, weight)) = MEDIUM.draw_within(beta, length, stream.uniform2()) else { continue };
+                assert!((0.0..=length).contains(&distance));
+                for (sum, x) in sums.iter_mut().zip((weight * beta).to_array()) {
+                    *sum = [sum[0] + x, sum[1] + x * x];
+                }
+            }
+            let expected = MEDIUM.albedo() * (Spectrum::ONE - MEDIUM.transmittance(length)) * beta;
+            for (sum, expected) in sums.into_iter().zip(expected.to_array()) {
+                let [mean, squares] = sum.map(|sum| sum / f64::from(n));
+                let error = ((squares - mean * mean).max(0.0) / f64::from(n)).sqrt();
+                // Five standard errors of six numbers.
+                assert!((mean - expected).abs() <= 5.0 * error + 1e-12, "{seed}: {mean}, not {expected}");
+            }
+        }
+    }
+
     /// E[weight; passed] = T and E[weight · f(distance)] = ∫ σ_s T f in every channel, whatever the light carries.
     #[test]
     fn drawn_distances_have_the_closed_form_moments() {
         let length = 0.8;
-        for (seed, beta) in [(1, Spectrum::ONE), (2, Spectrum::rgb(1.0, 0.2, 0.01)), (3, Spectrum::rgb(0.0, 1.0, 0.5))] {
+        for (seed, beta) in [(1, Spectrum::ONE), (2, Spectrum::rgb(1.0, 0.2, 0.01)), (3, Spectrum::rgb(0.0, 1.0, 0.5))]
+        {
             let mut stream = Stream::new(seed, Purpose::Test, 0, 0);
             let n = 200_000;
             let mut sums = [[[0.0; 2]; 3]; 2];

@@ -72,7 +72,8 @@ impl BeamWidth {
     fn add(&mut self, p: Vec2, d: Vec2) {
         let square = |a: Vec2| TangentForm { xx: a.x * a.x, xy: a.x * a.y, yy: a.y * a.y };
         self.constant = self.constant.plus(square(p));
-        self.linear = self.linear.plus(TangentForm { xx: 2.0 * p.x * d.x, xy: p.x * d.y + p.y * d.x, yy: 2.0 * p.y * d.y });
+        self.linear =
+            self.linear.plus(TangentForm { xx: 2.0 * p.x * d.x, xy: p.x * d.y + p.y * d.x, yy: 2.0 * p.y * d.y });
         self.square = self.square.plus(square(d));
     }
 

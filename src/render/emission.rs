@@ -158,8 +158,7 @@ fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
 /// unequal light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
 fn learn(world: &World, light: LightId, kind: &Population, n: u64) -> Found {
     let (settings, source) = (&world.scene.settings, world.lights.get(light));
-    let guided =
-        settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials && !kind.makes_beams;
+    let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials && !kind.makes_beams;
     let Some(survey) = Survey::new(n).filter(|_| guided) else { return Found::Everywhere };
     // Nobody stops it: it takes less than a pass's photons.
     explored(world, light, kind, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))

@@ -57,11 +57,8 @@ fn eye_paths_and_light_paths_agree_in_fog() {
 /// what it leaves at each, 1 − σ_s/σ_t of its flux, adds up to 1, in channels with events as different as they come.
 #[test]
 fn light_in_a_medium_without_end_is_absorbed_once() {
-    let medium = Medium {
-        absorption: Spectrum::rgb(0.1, 0.5, 2.0),
-        scattering: Spectrum::rgb(1.0, 1.5, 2.0),
-        asymmetry: 0.6,
-    };
+    let medium =
+        Medium { absorption: Spectrum::rgb(0.1, 0.5, 2.0), scattering: Spectrum::rgb(1.0, 1.5, 2.0), asymmetry: 0.6 };
     let (phase, albedo) = (HenyeyGreenstein::new(medium.asymmetry), medium.albedo().to_array());
     let (seed, photons) = (41, 20_000);
     let mut absorbed = [Moments::default(); 3];

@@ -17,6 +17,9 @@ use crate::render::partition::EyeFinds;
 use crate::sampling::Stream;
 use crate::world::{Flown, MediumPoint};
 
+/// How many of the edges behind a bounce ask for beams, for all of them: each crosses hundreds, and a pixel averages many.
+const ASKING_BEHIND_A_BOUNCE: f64 = 0.25;
+
 impl EyePathTracer<'_> {
     /// To the next surface, or to where a medium scatters; `walk.beta` is what is left.
     pub(super) fn fly(
@@ -26,10 +29,10 @@ impl EyePathTracer<'_> {
         stream: &mut Stream,
         sample: &mut EyeSample,
     ) -> Flown<MediumPoint> {
-        let may_scatter = self.task.finds != EyeFinds::Emitters
-            && !walk.looks_for_lights_only
-            && walk.bounces <= self.max_bounces;
+        let may_scatter =
+            self.task.finds != EyeFinds::Emitters && !walk.looks_for_lights_only && walk.bounces <= self.max_bounces;
         let asked = self.beams.filter(|_| may_scatter && self.task.finds.leaves_focused() && !walk.shared);
+        let asking = if walk.bounces == 0 { 1.0 } else { ASKING_BEHIND_A_BOUNCE };
         let (scattered, straight) = (self.task.finds.leaves_scattered(walk.bounces), walk.walked.straight_at(false));
         let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
         let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
@@ -40,7 +43,9 @@ impl EyePathTracer<'_> {
                 *beta *= medium.transmittance(stretch.length());
                 return ControlFlow::Continue(());
             }
-            if let Some(beams) = asked {
+            if let Some(beams) = asked
+                && (asking == 1.0 || stream.uniform() < asking)
+            {
                 let from = stretch.from;
                 let segment = EyeSegment {
                     origin: ray.at(from),
@@ -51,7 +56,9 @@ impl EyePathTracer<'_> {
                     eye: eye.map(|(dx, dw)| (dx + dw * from, dw)),
                     bounces,
                 };
-                beams.along(&segment, scattered, straight, |kind, light| sample.add(kind, *beta * light));
+                beams.along(&segment, scattered, straight, |kind, light| {
+                    sample.add(kind, *beta * light * (1.0 / asking))
+                });
             }
             let (event, weight) = medium.draw(*beta, stretch.length(), stream.uniform2());
             *beta *= weight;

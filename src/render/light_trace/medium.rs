@@ -13,13 +13,7 @@ use crate::world::{Flown, MediumPoint};
 impl LightTracer<'_> {
     /// To the next surface, or to where a medium scatters. A first event in a medium belongs to the paths that set out
     /// everywhere.
-    pub(super) fn fly(
-        &self,
-        regions: &Regions,
-        walk: &mut Walk,
-        edge: u32,
-        stream: &mut Stream,
-    ) -> Flown<MediumPoint> {
+    pub(super) fn fly(&self, regions: &Regions, walk: &mut Walk, edge: u32, stream: &mut Stream) -> Flown<MediumPoint> {
         let bounces = self.world.scene.settings.max_bounces;
         let may_scatter = (edge > 1 || self.first_event == FirstEvent::Scatter) && walk.scatter_events <= bounces;
         let (ray, flux) = (walk.ray, &mut walk.flux);
