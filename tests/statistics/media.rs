@@ -14,17 +14,20 @@ use crate::support::statistics::{Moments, assert_plausible, t_test};
 const BLOCK: usize = 8;
 
 /// The glass ball, its floor and its lamp in fog: the ball focuses into the fog as well as onto the floor.
-fn ball_in_fog() -> String {
+/// With so many beams in a pass.
+fn ball_in_fog(beams: u32) -> String {
     let fog = "[media.fog]\nsigma_a = [0.02, 0.04, 0.08]\nsigma_s = [0.1, 0.12, 0.15]\ng = 0.4\n";
-    BALL.replace("format = 1\n", "format = 1\natmosphere = \"fog\"\n").replace("[camera]", &format!("{fog}[camera]"))
+    BALL.replace("format = 1\n", "format = 1\natmosphere = \"fog\"\n")
+        .replace("[camera]", &format!("{fog}[camera]"))
+        .replace("[render]", &format!("[render]\nbeams = {beams}"))
 }
 
 /// Every class of light is counted once, on surfaces and in the fog: straight light by eye paths with either method, what is
 /// focused or sent back by photons, and by beams in the fog.
 #[test]
 fn photons_and_eye_paths_share_the_light_of_a_ball_in_fog_out() {
-    let fog = ball_in_fog();
-    let both = [pictures(&fog, &PHOTON_MAP), pictures(&fog, &Settings { spp: 1024, ..PATH })];
+    let fog = ball_in_fog(2000);
+    let both = [pictures(&fog, &PHOTON_MAP), pictures(&fog, &Settings { spp: 512, ..PATH })];
     for layer in ["focused", "sent_back", "straight", "scattered", "direct", "caustic", "indirect"] {
         println!("{layer} {}", means(&both, layer));
         assert!(assert_blocks_agree(&both, layer, BLOCK) > 0.0, "{layer}");
@@ -34,8 +37,8 @@ fn photons_and_eye_paths_share_the_light_of_a_ball_in_fog_out() {
 /// With photons for all light between vertices that scatter, and beams for it in the fog.
 #[test]
 fn global_photons_and_eye_paths_agree_in_fog() {
-    let fog = ball_in_fog();
-    let global = Settings { indirect: "global", photons: 160_000, ..PHOTON_MAP };
+    let fog = ball_in_fog(500);
+    let global = Settings { indirect: "global", spp: 4, photons: 160_000, ..PHOTON_MAP };
     let both = [pictures(&fog, &global), pictures(&fog, &PATH)];
     for layer in ["scattered", "sent_back"] {
         println!("{layer} {}", means(&both, layer));
@@ -45,7 +48,7 @@ fn global_photons_and_eye_paths_agree_in_fog() {
 
 #[test]
 fn eye_paths_and_light_paths_agree_in_fog() {
-    let fog = ball_in_fog();
+    let fog = ball_in_fog(1);
     let both = [pictures(&fog, &PATH), pictures(&fog, &LIGHT)];
     for layer in ["straight", "scattered", "focused", "sent_back"] {
         println!("{layer} {}", means(&both, layer));
