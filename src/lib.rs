@@ -4,7 +4,7 @@
 //!
 //! 1. `math`, `radiometry`, `sampling`, `differential`, `shape`: the vocabulary;
 //! 2. `scene`, `import`: a scene file becomes a description, a description becomes a scene;
-//! 3. `backend`, `surface`, `light`: rays fly and meet surfaces, lights emit;
+//! 3. `backend`, `surface`, `medium`, `light`: rays fly and meet surfaces and media, lights emit;
 //! 4. `photon`: emit → trace → map;
 //! 5. `camera`, `estimate`, `film`, `output`: gather → film → EXR;
 //! 6. `render`: the conductors; `distribute`: many of them; `study`, `report`: how good a picture is.
@@ -20,6 +20,7 @@ pub mod import;
 pub mod light;
 pub mod backend;
 pub mod surface;
+pub mod medium;
 pub mod world;
 pub mod photon;
 pub mod camera;

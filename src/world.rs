@@ -1,16 +1,21 @@
 //! What rays fly through: the scene, a backend over its geometry, its lights and its textures.
 
+mod flight;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::backend::{self, Backend, BackendError};
 use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
+use crate::medium::Regions;
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::scene::{Object, Scene, Textured};
 use crate::shape::Parametrisation;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
+
+pub use flight::{Flown, MediumPoint};
 
 /// Why a scene cannot be traced.
 #[derive(Debug, thiserror::Error)]
@@ -27,6 +32,8 @@ pub struct World {
     pub backend: Box<dyn Backend>,
     pub lights: Lights,
     pub textures: Textures,
+    /// Where participating media are, if there are any.
+    pub regions: Option<Regions>,
     /// Where caustics can come from: around all objects that can focus light.
     pub aim: Option<Aim>,
     /// Whether any material bends normals by an image.
@@ -40,9 +47,10 @@ impl World {
         let backend = backend::build(scene.settings.backend, &scene)?;
         let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
         let textures = Textures::new(&scene.textures);
+        let regions = Regions::new(&scene);
         let aim = caster_aim(&scene);
         let bends_normals = scene.materials.iter().any(|material| material.normal_map().is_some());
-        Ok(World { scene, backend, lights, textures, aim, bends_normals, inexact: AtomicU64::new(0) })
+        Ok(World { scene, backend, lights, textures, regions, aim, bends_normals, inexact: AtomicU64::new(0) })
     }
 
     /// A time at which the shutter is open, drawn from `stream` if anything moves meanwhile.

@@ -329,7 +329,9 @@ fn findings(world: &World, state: &RenderState, budget: &Budget) -> Vec<String> 
     if broken > 0 {
         found.push(format!("{broken} photons were dropped because their differentials or flux were not finite"));
     }
-    if world.scene.settings.method == Method::PhotonMap && world.aim.is_some() && photons.photons_stored == 0 {
+    let scatters = world.regions.as_ref().is_some_and(|regions| regions.scatter());
+    let wants_photons = world.scene.settings.method == Method::PhotonMap && world.aim.is_some() && !scatters;
+    if wants_photons && photons.photons_stored == 0 {
         found.push("no photon was stored: no light reaches a matt surface over a specular one".to_owned());
     }
     if let Some(wanted) = budget.error.filter(|_| !budget.is_good_enough(state)) {

@@ -15,6 +15,9 @@ pub mod pbrt {}
 #[doc = include_str!("motion.md")]
 pub mod motion {}
 
+#[doc = include_str!("media.md")]
+pub mod media {}
+
 #[doc = include_str!("passes.md")]
 pub mod passes {}
 

@@ -27,6 +27,30 @@ pub fn evaluate(kernel: KernelShape, t: f64) -> f64 {
     }
 }
 
+/// The kernel of the same name over the line: k₁(t) of t = u², ∫_{−1}^{1} k₁ du = 1; 0 for t ≥ 1.
+pub fn evaluate_line(kernel: KernelShape, t: f64) -> f64 {
+    if t >= 1.0 {
+        return 0.0;
+    }
+    let rest = 1.0 - t;
+    match kernel {
+        KernelShape::Uniform => 0.5,
+        KernelShape::Cone => 1.0 - t.sqrt(),
+        KernelShape::Epanechnikov => 0.75 * rest,
+        KernelShape::Biweight => 0.9375 * rest * rest,
+        KernelShape::Triweight => 1.09375 * rest * rest * rest,
+        KernelShape::Gaussian => {
+            let density = FRAC_1_SQRT_2PI / GAUSSIAN_WIDTH;
+            (-0.5 * t / (GAUSSIAN_WIDTH * GAUSSIAN_WIDTH)).exp() * density / WITHIN_THREE
+        }
+    }
+}
+
+/// 1/√(2π).
+const FRAC_1_SQRT_2PI: f64 = 0.398_942_280_401_432_7;
+/// What of a normal distribution lies within three standard deviations, erf(3/√2): the line Gaussian's mass before the cut.
+const WITHIN_THREE: f64 = 0.997_300_203_936_739_8;
+
 /// [`evaluate`] of eight numbers ≥ 0 in single precision.
 #[inline(always)]
 pub fn evaluate_eight(kernel: KernelShape, t: &[f32; 8]) -> [f32; 8] {
@@ -111,6 +135,17 @@ mod tests {
     fn every_kernel_integrates_to_one() {
         for kernel in ALL {
             assert!((radial_integral(kernel, |_| 1.0) - 1.0).abs() < 1e-9, "{}", kernel.name());
+        }
+    }
+
+    #[test]
+    fn every_line_kernel_integrates_to_one() {
+        let n = 200_000;
+        for kernel in ALL {
+            let u = |i: i32| 2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0;
+            let sum: f64 = (0..n).map(|i| evaluate_line(kernel, u(i) * u(i)) * 2.0 / f64::from(n)).sum();
+            assert!((sum - 1.0).abs() < 1e-9, "{}: {sum}", kernel.name());
+            assert_eq!(evaluate_line(kernel, 1.0), 0.0);
         }
     }
 

@@ -1,6 +1,7 @@
 //! From photons to radiance at points.
 
 pub mod bandwidth;
+pub mod beams;
 pub mod gather;
 pub mod kernel;
 pub mod nearest;

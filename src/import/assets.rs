@@ -173,7 +173,7 @@ impl Assets {
                 roughness: Parameter::Constant(*roughness),
             },
         };
-        self.materials.push(MaterialDescription { name, source: material.source.clone(), model });
+        self.materials.push(MaterialDescription { name, source: material.source.clone(), model, interior: None });
         Ok(reference)
     }
 }

@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 
 use crate::differential::{Differential, bounced};
 use crate::light::{Aim, Directions};
-use crate::math::Dir3;
+use crate::math::{Dir3, Normal3, Point3};
+use crate::medium::HenyeyGreenstein;
 use crate::radiometry::{Pdf, SolidAngle, Spectrum};
 use crate::sampling::Stream;
 use crate::scene::settings::BounceFootprint;
@@ -70,17 +71,35 @@ impl Bounces {
         (!weight.is_black()).then_some(Bounce { wi, weight, pdf, aimed })
     }
 
+    /// The same in a medium at `p`, to which light came along `w`.
+    pub fn sample_in_medium(&self, p: Point3, w: Dir3, phase: &HenyeyGreenstein, stream: &mut Stream) -> Bounce {
+        let (choice, u) = (stream.uniform(), stream.uniform2());
+        let cone = Some(Directions::towards(p, &self.aim)).filter(|to| *to != Directions::Sphere);
+        let wi = match &cone {
+            Some(cone) if choice < AIMED => cone.sample(u),
+            _ => phase.turn(w, u).0,
+        };
+        let own = phase.between(w, wi);
+        let (mut pdf, mut aimed) = (own, false);
+        if let Some(cone) = cone {
+            aimed = cone.contains(wi);
+            let to_cone = if aimed { cone.pdf() } else { Pdf::ZERO };
+            pdf = AIMED * to_cone.get() + (1.0 - AIMED) * own;
+        }
+        Bounce { wi, weight: Spectrum::splat(own / pdf), pdf: Pdf::new(pdf), aimed }
+    }
+
     /// The columns of a photon that bounces for the `nth` time, counted from 1, into `bounce`; they were put on the surface
-    /// by [`crate::differential::transfer()`].
+    /// with normal `ng` by [`crate::differential::transfer()`].
     pub fn columns<const N: usize>(
         &self,
         columns: &Differential<N>,
-        si: &Interaction,
+        ng: Normal3,
         bounce: &Bounce,
         nth: u32,
     ) -> Differential<N> {
         let (n, p) = (self.photons, bounce.pdf.get());
-        let bounced = |patch: &Differential<N>, cell| bounced(patch, si.ng, bounce.wi, cell);
+        let bounced = |patch: &Differential<N>, cell| bounced(patch, ng, bounce.wi, cell);
         match self.footprint {
             BounceFootprint::Shared => bounced(columns, self.overlap / (n * p)),
             BounceFootprint::Root => bounced(columns, self.overlap / (n.sqrt() * p)),
@@ -113,7 +132,7 @@ const UNIT_CELL: f64 = 1.0;
 mod tests {
     use super::*;
     use crate::differential::Column;
-    use crate::math::{Normal3, Point3, Vec3};
+    use crate::math::{Normal3, Vec3};
     use crate::sampling::Purpose;
     use crate::surface::test_support::{flat_at, lambert_at};
     use std::f64::consts::PI;
@@ -169,7 +188,7 @@ mod tests {
             (BounceFootprint::Coverage, 1, [1.0, 0.28 / (si.t * si.t) * si.ng.dot(si.wo).abs()]),
         ] {
             let bounces = bounces(Aim::Everywhere, footprint);
-            let after = bounces.landing(&bounces.columns(&Differential::<4>::new(patch), &si, &bounce, nth), &si);
+            let after = bounces.landing(&bounces.columns(&Differential::<4>::new(patch), si.ng, &bounce, nth), &si);
             let found = [area(after.dx.get(0), after.dx.get(1)), area(after.dw.get(2), after.dw.get(3))];
             for (found, expected) in found.into_iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-12, "{footprint:?}: {found}, not {expected}");

@@ -77,7 +77,7 @@ fn walls(world: &World, photon: &Photon, time: f64, frame: &Frame) -> [Option<Wa
     let probes = probes(&photon.form(), frame);
     let steep = |height: f64, probe: Vec3| {
         let ray = Ray { t_max: probe.length(), time, ..Ray::new(p + up * height, Dir3::new(probe)?) };
-        let si = world.intersect(&ray)?;
+        let si = world.first_surface(&ray)?;
         (si.ng.dot(n).abs() < MIN_NORMAL_COSINE).then(|| (si.p, towards(si.ng.to_vec(), -ray.direction)))
     };
     let met = probes.map(|probe| {

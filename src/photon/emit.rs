@@ -174,6 +174,8 @@ pub struct Population {
     pub sharing: f64,
     /// Whether they bring the light that comes straight from surfaces that scatter, too.
     pub stores_scattered: bool,
+    /// Whether they become beams in media, instead of photons on surfaces.
+    pub makes_beams: bool,
 }
 
 impl Population {
@@ -184,6 +186,7 @@ impl Population {
         bounces: None,
         sharing: f64::INFINITY,
         stores_scattered: false,
+        makes_beams: false,
     };
 }
 

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::math::{Point3, Vec3};
+use crate::math::{Dir3, Point3, Vec3};
 
 /// Children of a node.
 pub const WIDTH: usize = 8;
@@ -54,6 +54,25 @@ impl OuterBox {
     }
 }
 
+/// A ray made ready to be held against boxes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlabRay {
+    origin: [f64; 3],
+    /// Of the direction; of a component that is zero that of a tiny one, so that no difference of zero becomes NaN.
+    inverse: [f64; 3],
+    length: f64,
+}
+
+impl SlabRay {
+    pub fn new(origin: Point3, w: Dir3, length: f64) -> SlabRay {
+        let inverse = w.to_vec().to_array().map(|c| 1.0 / if c.abs() < TINY { TINY } else { c });
+        SlabRay { origin: origin.to_vec().to_array(), inverse, length }
+    }
+}
+
+/// A component of a direction that bends a ray by less than boxes are rounded.
+const TINY: f64 = 1e-30;
+
 /// Eight boxes, coordinate by coordinate.
 #[derive(Clone, Debug)]
 #[repr(align(32))]
@@ -72,6 +91,21 @@ impl Boxes {
     }
     fn union(&self) -> OuterBox {
         (0..WIDTH).map(|lane| self.get(lane)).fold(OuterBox::EMPTY, OuterBox::union)
+    }
+    /// Those that a ray meets.
+    #[inline(always)]
+    pub fn met(&self, ray: &SlabRay) -> Lanes {
+        let (mut near, mut far) = ([0.0f64; WIDTH], [ray.length; WIDTH]);
+        for k in 0..3 {
+            // Not by comparing distances: an empty box has to stay one.
+            let [first, last] =
+                if ray.inverse[k] > 0.0 { [&self.lo[k], &self.hi[k]] } else { [&self.hi[k], &self.lo[k]] };
+            for i in 0..WIDTH {
+                near[i] = near[i].max((f64::from(first[i]) - ray.origin[k]) * ray.inverse[k]);
+                far[i] = far[i].min((f64::from(last[i]) - ray.origin[k]) * ray.inverse[k]);
+            }
+        }
+        Lanes::from(array::from_fn(|i| near[i] <= far[i]))
     }
     /// Those that overlap `bounds`.
     #[inline(always)]
@@ -282,6 +316,38 @@ mod tests {
                 let found = tree.over(&BoxTree::build(1, |_| point));
                 assert_eq!(found, expected);
                 assert_eq!(tree.any_overlaps(&point), !expected.is_empty());
+            }
+        }
+    }
+
+    /// A ray meets the boxes that some point of it is in, and no empty one.
+    #[test]
+    fn a_ray_meets_all_boxes_that_it_goes_through() {
+        let (n, mut s) = (501, Stream::new(4, Purpose::Test, 0, 0));
+        let all = boxes(n, 0.1, 2);
+        let tree = tree(&all);
+        struct Met<'a>(&'a SlabRay, Vec<usize>);
+        impl Visitor for Met<'_> {
+            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
+                boxes.met(self.0)
+            }
+            fn visit(&mut self, i: usize) -> ControlFlow<()> {
+                self.1.push(i);
+                ControlFlow::Continue(())
+            }
+        }
+        for k in 0..100 {
+            let mut number = || 2.0 * s.uniform() - 1.0;
+            let (origin, along) = (Point3::new(number(), number(), number()), Vec3::new(number(), number(), number()));
+            let w = Dir3::new(if k % 3 == 0 { Vec3::X } else { along }).expect("a direction");
+            let ray = SlabRay::new(origin, w, 2.0);
+            let mut met = Met(&ray, Vec::new());
+            tree.lead(&mut met);
+            assert!(met.1.windows(2).all(|w| w[0] < w[1]) && met.1.iter().all(|&i| i < n));
+            for step in 0..2000 {
+                let p = OuterBox::new(origin + w * (f64::from(step) * 1e-3), Vec3::ZERO);
+                let within = |b: &OuterBox| (0..3).all(|k| b.lo[k] < p.lo[k] && p.hi[k] < b.hi[k]);
+                assert!((0..n).filter(|&i| within(&all[i])).all(|i| met.1.contains(&i)), "ray {k}, step {step}");
             }
         }
     }

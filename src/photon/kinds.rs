@@ -6,6 +6,17 @@
 //! They set out to different places, come in different numbers, are narrow or wide, and belong to different layers of the
 //! picture: each kind has its own map and estimate.
 
+impl<T> Kinds<Vec<T>> {
+    /// Adds those of another list to each list.
+    pub fn append(&mut self, mut other: Kinds<Vec<T>>) {
+        self.caustic.append(&mut other.caustic);
+        self.onward.append(&mut other.onward);
+        self.bounced.append(&mut other.bounced);
+        self.onward_scattered.append(&mut other.onward_scattered);
+        self.scattered.append(&mut other.scattered);
+    }
+}
+
 /// Something for each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Kinds<T> {

@@ -1,5 +1,7 @@
 //! Photons: emit → trace → map.
 
+pub mod beam;
+pub mod beam_map;
 pub mod bounce;
 mod columns;
 mod edge;
@@ -18,6 +20,7 @@ pub mod sweep;
 pub mod time_cells;
 pub mod trace;
 
+pub use beam::{Beam, BeamWidth};
 pub use bounce::Bounces;
 pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population};
 pub use kinds::Kinds;

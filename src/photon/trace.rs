@@ -8,6 +8,9 @@
 //! Two kinds of photons share the light out by the first event: S for caustics, L S⁺ D, and what they send on,
 //! L S⁺ D … S⁺ D; scattering for all other light that was scattered before, L D … S⁺ D.
 
+mod medium;
+
+use super::beam::Beam;
 use super::bounce::Bounces;
 use super::columns::Columns;
 use super::edge;
@@ -20,6 +23,7 @@ use super::time_cells::TimeCells;
 use crate::differential::{SurfaceMotion, blurred};
 use crate::light::Emission;
 use crate::math::{Dir3, Frame, Point3, Ray};
+use crate::medium::Inside;
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
 use crate::surface::adjoint::shading_normal_factor;
@@ -47,6 +51,8 @@ pub struct PhotonTracer<'a, const N: usize, const T: usize = 0> {
     time_cells: TimeCells,
     pending: Vec<Branch<N, T>>,
     pub stored: Kinds<Vec<Photon>>,
+    /// Where photons are to become beams in media, which are then stored instead.
+    pub beams: Option<Kinds<Vec<Beam>>>,
     pub counts: PhotonCounts,
 }
 
@@ -72,6 +78,8 @@ struct Branch<const N: usize, const T: usize> {
     deltas: u32,
     /// How often it was scattered by a wide lobe, D.
     bounces: u32,
+    /// What it is inside of; not kept where there are no media.
+    inside: Inside,
 }
 
 impl<const N: usize, const T: usize> Branch<N, T> {
@@ -96,6 +104,7 @@ impl<const N: usize, const T: usize> Branch<N, T> {
             chain: 0,
             deltas: 0,
             bounces: self.bounces,
+            inside: self.inside,
         }
     }
 }
@@ -117,14 +126,16 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             time_cells: TimeCells::one(world.scene.shutter),
             pending: Vec::new(),
             stored: Kinds::default(),
+            beams: None,
             counts: PhotonCounts::default(),
         }
     }
 
     /// For photons of this kind.
     pub fn of(self, population: &Population) -> Self {
-        let &Population { first_event, bounces, sharing, stores_scattered, .. } = population;
-        PhotonTracer { first_event, bounces, sharing, stores_scattered, ..self }
+        let &Population { first_event, bounces, sharing, stores_scattered, makes_beams, .. } = population;
+        let beams = makes_beams.then(Kinds::default);
+        PhotonTracer { first_event, bounces, sharing, stores_scattered, beams, ..self }
     }
 
     /// For photons of a light of whose caustics eye paths bring that part.
@@ -142,7 +153,9 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         let (origin, w) = (emission.ray_origin(), emission.direction);
         let (columns, flux) = (Columns::emitted(emission, self.time_cells.length()), emission.flux);
         self.time = time;
-        self.pending.push(Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0 });
+        let inside = self.world.inside(origin, time);
+        let start = Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0, inside };
+        self.pending.push(start);
         while let Some(branch) = self.pending.pop() {
             self.fly(branch, stream);
         }
@@ -165,10 +178,16 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
     }
 
     fn fly(&mut self, branch: Branch<N, T>, stream: &mut Stream) {
-        let Some(si) = self.world.intersect(&Ray::new(branch.origin, branch.w).at_time(self.time)) else {
-            self.counts.escaped += 1;
-            return;
+        let world = self.world;
+        let met = match &world.regions {
+            None => {
+                let si = world.intersect(&Ray::new(branch.origin, branch.w).at_time(self.time));
+                self.counts.escaped += u64::from(si.is_none());
+                si.map(|si| (si, branch))
+            }
+            Some(regions) => self.cross(regions, branch, stream),
         };
+        let Some((si, branch)) = met else { return };
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
         let motion = self.motion(&si);
         let columns = match self.bounces.filter(|_| straight_from_bounce) {
@@ -182,6 +201,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         }
         let bsdf = self.world.bsdf_unfiltered(&si);
         if bsdf.has_scatter()
+            && self.beams.is_none()
             && let Some(kind) = self.kind_of(&branch, bsdf.is_glossy())
         {
             self.store(&si, &branch, &columns, kind);
@@ -300,6 +320,14 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         })
     }
 
+    /// What leaves `si` is to be followed, too.
+    fn go_on(&mut self, si: &Interaction, mut branch: Branch<N, T>) {
+        if let Some(regions) = &self.world.regions {
+            branch.inside = regions.beyond(branch.inside, si, branch.w);
+        }
+        self.pending.push(branch);
+    }
+
     /// Goes on through all delta lobes that are strong enough.
     fn scatter(
         &mut self,
@@ -322,7 +350,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             let (columns, narrow) = columns.narrowed();
             self.counts.narrowed_columns += u64::from(narrow);
             let next = branch.next(si, w, &columns, delta.weight, share, q);
-            self.pending.push(Branch { chain: branch.chain + 1, deltas: branch.deltas + 1, ..next });
+            self.go_on(si, Branch { chain: branch.chain + 1, deltas: branch.deltas + 1, ..next });
             followed += 1;
         }
         self.counts.split += u64::from(followed > 1);
@@ -357,7 +385,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, next.wi, mode).get());
         let columns = Columns { cell: blurred(&columns.cell, si.ng, next.wi, cell), ..columns };
         let next = branch.next(si, next.wi, &columns, weight, share, q);
-        self.pending.push(Branch { chain: branch.chain + 1, ..next });
+        self.go_on(si, Branch { chain: branch.chain + 1, ..next });
     }
 
     /// Goes on through the lobes that are not deltas. What is lost in the mean is lost at roulette, so that flux stays what
@@ -381,10 +409,10 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             self.counts.roulette += 1;
             return;
         };
-        let cell = bounces.columns(&columns.cell, si, &next, branch.bounces + 1);
+        let cell = bounces.columns(&columns.cell, si.ng, &next, branch.bounces + 1);
         let columns = columns.scattered(cell, &self.motion(si));
         let next = branch.next(si, next.wi, &columns, next.weight, branch.share * weight, q);
-        self.pending.push(Branch { bounces: branch.bounces + 1, ..next });
+        self.go_on(si, Branch { bounces: branch.bounces + 1, ..next });
         self.counts.bounced += 1;
     }
 }

@@ -34,32 +34,56 @@ const BOUNCED_SHARE: f64 = 0.25;
 /// What every pass sends.
 pub fn plan(world: &World) -> Kinds<Population> {
     let others = Kinds::<()>::default().map(|()| Population::NONE);
-    Kinds { caustic: caustics(world), bounced: bounced(world), ..others }
+    Kinds { caustic: caustics(world), bounced: bounced(world, world.scene.settings.photons as f64, false), ..others }
+}
+
+/// What every pass sends as beams into media that scatter, beside `photons` to surfaces: the eye brings the same part of
+/// both. Where their light would be of use on surfaces is not asked.
+pub fn beam_plan(world: &World, photons: &Kinds<Population>) -> Kinds<Population> {
+    let (others, n) = (Kinds::<()>::default().map(|()| Population::NONE), world.scene.settings.beams);
+    let mut caustic = caustics_of(world, n, true);
+    for plan in &mut caustic.plans {
+        let same = photons.caustic.plans.iter().find(|other| other.light == plan.light);
+        plan.eyes_part = same.map_or(0.0, |same| same.eyes_part);
+    }
+    let kinds = Kinds { caustic, bounced: bounced(world, n as f64, true), ..others };
+    // A cell that is only known where a photon lands is none of a beam's.
+    let shared = |bounces: Bounces| match bounces.footprint {
+        BounceFootprint::Coverage => Bounces { footprint: BounceFootprint::Shared, ..bounces },
+        _ => bounces,
+    };
+    kinds.map(|kind| Population { bounces: kind.bounces.map(shared), ..kind })
 }
 
 /// Photons to the specular objects.
 pub(super) fn caustics(world: &World) -> Population {
-    let (Some(aim), n) = (world.aim, world.scene.settings.photons) else { return Population::NONE };
-    let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
-    let kind = Population { aim, sharing: sharing(world, n as f64), stores_scattered, ..Population::NONE };
-    let mut plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
-    for plan in &mut plans {
-        plan.eyes_part = mis::eyes_part(world, &aim, plan);
+    let mut population = caustics_of(world, world.scene.settings.photons, false);
+    for plan in &mut population.plans {
+        plan.eyes_part = mis::eyes_part(world, &population.aim, plan);
     }
+    population
+}
+
+fn caustics_of(world: &World, n: u64, makes_beams: bool) -> Population {
+    let Some(aim) = world.aim else { return Population::NONE };
+    let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
+    let kind = Population { aim, sharing: sharing(world, n as f64), stores_scattered, makes_beams, ..Population::NONE };
+    let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
     Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
 }
 
 /// Photons to everything else: as many as it takes for a number that goes on. Those that leave the scene cost little.
-fn bounced(world: &World) -> Population {
+fn bounced(world: &World, photons: f64, makes_beams: bool) -> Population {
     let settings = &world.scene.settings;
     let stores_scattered = partition::photons_bring_scattered(settings);
-    let n = (settings.photons as f64 * if stores_scattered { 1.0 } else { BOUNCED_SHARE }).ceil();
+    let n = (photons * if stores_scattered { 1.0 } else { BOUNCED_SHARE }).ceil();
     let Some(bounces) = bounces(world, n, 1.0) else { return Population::NONE };
     let kind = Population {
         first_event: FirstEvent::Scatter,
         bounces: Some(bounces),
         sharing: sharing(world, n),
         stores_scattered,
+        makes_beams,
         ..Population::NONE
     };
     let share = |light, n| {
@@ -134,7 +158,7 @@ fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
 /// unequal light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
 fn learn(world: &World, light: LightId, kind: &Population, n: u64) -> Found {
     let (settings, source) = (&world.scene.settings, world.lights.get(light));
-    let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials;
+    let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials && !kind.makes_beams;
     let Some(survey) = Survey::new(n).filter(|_| guided) else { return Found::Everywhere };
     // Nobody stops it: it takes less than a pass's photons.
     explored(world, light, kind, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))

@@ -49,6 +49,7 @@ pub fn expose(
         tracer: EyePathTracer {
             world,
             task,
+            beams: photons.and_then(PhotonLight::beams),
             max_depth: settings.max_depth,
             max_bounces: settings.max_bounces,
             sample_radius: eye_radius(settings, pass),

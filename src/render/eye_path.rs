@@ -6,17 +6,21 @@
 //! for lights whose caustics are partly its own. It drops nothing else: E S* L stays its own, and shadow rays never cross a
 //! delta lobe.
 
+mod medium;
+
+use super::beam_light::BeamLight;
 use super::partition::{EyeFinds, EyeTask, Walked};
 use crate::camera::CameraRay;
 use crate::differential::{Column, Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
 use crate::film::{Arrival, EyeSample, LightKind, Part};
 use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
+use crate::medium::Inside;
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::LightId;
 use crate::surface::{Bsdf, BsdfSample, Event, Interaction, TransportMode};
-use crate::world::World;
+use crate::world::{Flown, World};
 
 /// A vertex whose light from photons is still to be added: radiance there times `beta` belongs to the sample.
 pub struct Query {
@@ -41,6 +45,8 @@ impl Query {
 pub struct EyePathTracer<'a> {
     pub world: &'a World,
     pub task: &'a EyeTask,
+    /// What photons bring in media that scatter.
+    pub beams: Option<&'a BeamLight>,
     pub max_depth: u32,
     pub max_bounces: u32,
     /// Semi-axes of an eye sample's footprint, in pixels.
@@ -81,6 +87,8 @@ struct Walk {
     looks_for_lights_only: bool,
     /// Whether photons bring their part of that of lights, too.
     shared: bool,
+    /// What the ray is inside of; not kept where there are no media.
+    inside: Inside,
 }
 
 impl Walk {
@@ -100,6 +108,7 @@ impl Walk {
             scattered: None,
             looks_for_lights_only: false,
             shared: false,
+            inside: Inside::NOTHING,
         }
     }
 
@@ -128,10 +137,27 @@ impl EyePathTracer<'_> {
         queries: &mut Vec<Query>,
     ) -> EyeSample {
         let walk = &mut Walk::new(camera_ray, start, turn);
+        if self.world.regions.is_some() {
+            walk.inside = self.world.inside(walk.ray.origin, walk.ray.time);
+        }
         let mut sample = EyeSample::default();
         let mut seen_scatter = false;
         for edge in 1..=self.max_depth {
-            let Some(si) = self.world.intersect(&walk.ray) else {
+            let met = match &self.world.regions {
+                None => self.world.intersect(&walk.ray),
+                Some(regions) => match self.fly(regions, walk, &mut stream, &mut sample) {
+                    Flown::Surface(si) => Some(si),
+                    Flown::Escaped => None,
+                    Flown::Stopped(at) => {
+                        seen_scatter |= self.see_medium(regions, &at, edge, seen_scatter, &mut sample);
+                        if self.scatter_in_medium(regions, walk, &at, edge, &mut stream, &mut sample) {
+                            continue;
+                        }
+                        break;
+                    }
+                },
+            };
+            let Some(si) = met else {
                 self.add_environment(walk, &mut sample);
                 break;
             };
@@ -210,6 +236,9 @@ impl EyePathTracer<'_> {
         }
         walk.w = next.wi;
         walk.ray = si.ray(next.wi);
+        if let Some(regions) = &self.world.regions {
+            walk.inside = regions.beyond(walk.inside, si, next.wi);
+        }
         true
     }
 
@@ -278,9 +307,10 @@ impl EyePathTracer<'_> {
         let Some(choice) = self.world.lights.pick(choice) else { return };
         let Some(found) = self.world.lights.sample_li(choice.light, si.p, u, si.time) else { return };
         let f = bsdf.f(si.wo, found.wi, TransportMode::Radiance) * si.ns.dot(found.wi).abs();
-        if f.is_black() || found.weight.is_zero() || !self.world.visible(si, found.wi, found.distance) {
+        if f.is_black() || found.weight.is_zero() {
             return;
         }
+        let Some(left) = self.world.seen(si, found.wi, found.distance, walk.inside) else { return };
         let weight = match found.pdf {
             // Nothing else can find a delta light.
             None => 1.0,
@@ -290,7 +320,7 @@ impl EyePathTracer<'_> {
             }
         };
         let weight = weight * self.part_of(walk, choice.light);
-        let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0);
+        let light = walk.beta * f * found.weight.0 * (weight / choice.pmf.0) * left;
         let part = match walk.order() {
             0 => Part::Direct,
             _ if bsdf.is_glossy() => Part::Caustic,

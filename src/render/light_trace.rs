@@ -7,22 +7,25 @@
 //! one; the other half sets out everywhere and stops there. The two halves share the light out between them, and most
 //! paths of a small lens' caustic are not lost beside the lens.
 
+mod medium;
+
 use super::exposure::expose;
 use super::partition::{EyeFinds, EyeTask};
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
-use crate::camera::Camera;
+use crate::camera::{Camera, Connection};
 use crate::film::{Arrival, Exposure, LightKind, Part, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
+use crate::medium::Inside;
 use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Event, Interaction, TransportMode};
-use crate::world::World;
+use crate::world::{Flown, World};
 
 /// Light paths in a unit of work.
 const PATHS_PER_UNIT: u64 = 16384;
@@ -107,6 +110,9 @@ struct LightTracer<'a> {
 /// A light path under way.
 struct Walk {
     ray: Ray,
+    w: Dir3,
+    /// What the ray is inside of; not kept where there are no media.
+    inside: Inside,
     /// W, times what the path's events left of it.
     flux: Spectrum,
     scatter_events: u32,
@@ -124,8 +130,11 @@ struct Walk {
 impl LightTracer<'_> {
     fn trace(&mut self, emission: &Emission, time: f64, stream: &mut Stream) {
         let settings = &self.world.scene.settings;
+        let origin = emission.ray_origin();
         let mut walk = Walk {
-            ray: Ray::new(emission.ray_origin(), emission.direction).at_time(time),
+            ray: Ray::new(origin, emission.direction).at_time(time),
+            w: emission.direction,
+            inside: self.world.inside(origin, time),
             flux: emission.flux.0,
             scatter_events: 0,
             leading_events: Some(0),
@@ -134,7 +143,16 @@ impl LightTracer<'_> {
             chain: 0,
         };
         for edge in 1..settings.max_depth {
-            let Some(si) = self.world.intersect(&walk.ray) else { return };
+            let met = match &self.world.regions {
+                None => self.world.intersect(&walk.ray),
+                Some(regions) => match self.fly(regions, &mut walk, edge, stream) {
+                    Flown::Surface(si) => Some(si),
+                    Flown::Escaped => None,
+                    Flown::Stopped(at) if self.scatter_in_medium(regions, &mut walk, &at, edge, stream) => continue,
+                    Flown::Stopped(_) => None,
+                },
+            };
+            let Some(si) = met else { return };
             let bsdf = self.world.bsdf_unfiltered(&si);
             // Light at the first vertex itself, L D E, belongs to the paths that may come from everywhere.
             if bsdf.has_scatter() && (edge > 1 || self.first_event == FirstEvent::Scatter) {
@@ -146,6 +164,9 @@ impl LightTracer<'_> {
             if !advance(&mut walk, &si, &bsdf, edge, stream) {
                 return;
             }
+            if let Some(regions) = &self.world.regions {
+                walk.inside = regions.beyond(walk.inside, &si, walk.w);
+            }
             let is_delta = walk.leading_events.is_some();
             if edge == 1 && is_delta != (self.first_event == FirstEvent::Delta) {
                 return;
@@ -153,19 +174,25 @@ impl LightTracer<'_> {
         }
     }
 
+    /// A filter may carry a splat in from a pixel or two outside.
+    fn is_near_film(&self, seen: &Connection) -> bool {
+        let film = self.world.scene.camera.resolution.map(f64::from);
+        let near = |x: f64, size: f64| x > -2.0 && x < size + 2.0;
+        near(seen.raster.x, film[0]) && near(seen.raster.y, film[1])
+    }
+
     fn connect(&mut self, walk: &Walk, si: &Interaction, bsdf: &Bsdf, stream: &mut Stream) {
         let lens = ConcentricDisk.sample(stream.uniform2());
-        let Some(seen) = self.camera.at(si.time).connect(si.p, lens) else { return };
-        let film = self.world.scene.camera.resolution.map(f64::from);
-        // A filter may carry a splat in from a pixel or two outside.
-        let near = |x: f64, size: f64| x > -2.0 && x < size + 2.0;
-        if !near(seen.raster.x, film[0]) || !near(seen.raster.y, film[1]) {
+        let Some(seen) = self.camera.at(si.time).connect(si.p, lens).filter(|seen| self.is_near_film(seen)) else {
             return;
-        }
+        };
         let f = bsdf.f(si.wo, seen.w, TransportMode::Importance) * cosine(si, seen.w);
         let value = walk.flux * f * seen.importance;
-        if !value.is_black() && self.world.visible(si, seen.w, seen.origin.distance(si.p)) {
-            self.splats.add_splat(seen.raster.x, seen.raster.y, kind_at(walk, bsdf), value);
+        if value.is_black() {
+            return;
+        }
+        if let Some(left) = self.world.seen(si, seen.w, seen.origin.distance(si.p), walk.inside) {
+            self.splats.add_splat(seen.raster.x, seen.raster.y, kind_at(walk, bsdf.is_glossy()), value * left);
         }
     }
 }
@@ -176,8 +203,8 @@ fn cosine(si: &Interaction, wi: Dir3) -> f64 {
 }
 
 /// Direct: L D E; caustic: L S⁺ D …; indirect: L D … as in the eye path's parts, which look on past glossy surfaces.
-fn kind_at(walk: &Walk, bsdf: &Bsdf) -> LightKind {
-    if let Some(past_glossy) = walk.past_glossy.filter(|_| bsdf.is_glossy()) {
+fn kind_at(walk: &Walk, glossy: bool) -> LightKind {
+    if let Some(past_glossy) = walk.past_glossy.filter(|_| glossy) {
         return past_glossy;
     }
     let part = walk.part.unwrap_or(match walk.leading_events {
@@ -207,10 +234,7 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
                 walk.leading_events = walk.leading_events.map(|n| n + 1);
                 walk.chain += 1;
             } else {
-                let here = kind_at(walk, bsdf);
-                walk.part.get_or_insert(if here.part == Part::Caustic { here.part } else { Part::Indirect });
-                (walk.past_glossy, walk.leading_events, walk.chain) = (Some(here), None, 0);
-                walk.scatter_events += 1;
+                note_scattering(walk);
             }
         }
         Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
@@ -219,10 +243,16 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
             walk.past_glossy = None;
         }
     }
-    if walk.flux.is_black() {
+    if walk.flux.is_black() || !survives_roulette(walk, before, edge, stream) {
         return false;
     }
-    // Roulette on what the event left, so that flux stays near the photon's own.
+    walk.w = next.wi;
+    walk.ray = si.ray(next.wi);
+    true
+}
+
+/// Roulette on what the event left of `before`, so that flux stays near the photon's own.
+fn survives_roulette(walk: &mut Walk, before: f64, edge: u32, stream: &mut Stream) -> bool {
     let q = (walk.flux.max_component() / before).min(1.0);
     if edge > 2 && q < 1.0 {
         if stream.uniform() >= q {
@@ -230,6 +260,13 @@ fn advance(walk: &mut Walk, si: &Interaction, bsdf: &Bsdf, edge: u32, stream: &m
         }
         walk.flux *= 1.0 / q;
     }
-    walk.ray = si.ray(next.wi);
     true
+}
+
+/// Notes an event of class D.
+fn note_scattering(walk: &mut Walk) {
+    let here = kind_at(walk, false);
+    walk.part.get_or_insert(if here.part == Part::Caustic { here.part } else { Part::Indirect });
+    (walk.past_glossy, walk.leading_events, walk.chain) = (Some(here), None, 0);
+    walk.scatter_events += 1;
 }

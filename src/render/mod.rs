@@ -3,6 +3,7 @@
 //! A render is a set of numbered passes. Pass i is a pure function of (scene, settings, i); the film is their mean. Its
 //! sums are exact, so passes, tiles and units may be rendered in any order, anywhere, and added up later.
 
+pub mod beam_light;
 pub mod bench;
 pub mod budget;
 pub mod crosscheck;
@@ -81,11 +82,18 @@ pub struct Job<'a> {
     pub watch: &'a dyn Watch,
     /// What every pass sends, once one with photons has asked.
     plans: OnceCell<Kinds<Population>>,
+    /// What every pass sends as beams into media that scatter.
+    beam_plans: OnceCell<Kinds<Population>>,
 }
 
 impl<'a> Job<'a> {
     pub fn new(world: &'a World, camera: Camera, watch: &'a dyn Watch) -> Job<'a> {
-        Job { world, camera, watch, plans: OnceCell::new() }
+        Job { world, camera, watch, plans: OnceCell::new(), beam_plans: OnceCell::new() }
+    }
+
+    /// What every pass sends to surfaces.
+    fn plans(&self) -> &Kinds<Population> {
+        self.plans.get_or_init(|| emission::plan(self.world))
     }
 }
 

@@ -1,7 +1,8 @@
 //! Which technique finds which light: every path from a light to the eye is counted once, by one of them
 //! (PHOTON_DIFFERENTIALS 9.4).
 //!
-//! What the eye receives from a vertex that scatters, its first or one behind `b` of its own bounces, has arrived there
+//! What the eye receives from a vertex that scatters, on a surface or in a medium, its first or one behind `b` of its own
+//! bounces, has arrived there
 //!
 //! | as | path | `path` method | `indirect = path` | `global` | `final_gather` |
 //! | --- | --- | --- | --- | --- | --- |
@@ -12,8 +13,8 @@
 //! | | the same, b = 1 | eye | eye | | photons |
 //! | | the same, b > 1 | eye | eye | | |
 //!
-//! S is a delta lobe or one of microfacets, D any other. Past a rough surface that it sees before any D the eye looks on,
-//! as past a mirror: only what comes to it over delta lobes is the photons' there. An eye path does not go on where its
+//! S is a delta lobe or one of microfacets, D any other, and a place in a medium, where photons are beams
+//! ([`super::beam_light`]). Past a rough surface that it sees before any D the eye looks on, as past a mirror: only what comes to it over delta lobes is the photons' there. An eye path does not go on where its
 //! light is the photons'. Light that no surface has scattered, L S* E, is the eye's.
 //!
 //! Two kinds are found in two ways. `straight` by shadow rays and by bounces that run into a light, weighted by the power

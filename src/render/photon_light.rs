@@ -4,6 +4,7 @@
 //! that each holds and in half evenly: such a vertex is one of many whose light a pixel averages, and its own noise is
 //! greater than what the draw adds.
 
+use super::beam_light::BeamLight;
 use super::eye_path::Query;
 use crate::estimate::{Asks, Estimate, GatherPoint};
 use crate::film::{Arrival, EyeSample, LightKind, Part};
@@ -12,7 +13,7 @@ use crate::sampling::discrete::DiscreteTable;
 use crate::scene::RenderSettings;
 
 /// What light of each kind is to the eye that sees it arrive.
-const LIGHT: Kinds<(Part, Arrival)> = Kinds {
+pub(super) const LIGHT: Kinds<(Part, Arrival)> = Kinds {
     caustic: (Part::Caustic, Arrival::Focused),
     onward: (Part::Caustic, Arrival::SentBack),
     bounced: (Part::Indirect, Arrival::SentBack),
@@ -25,6 +26,7 @@ pub struct PhotonLight<'a> {
     estimates: Kinds<Estimate<'a>>,
     /// Draws a map that holds photons, if there are any: for vertices that leave the scattered kinds out, and others.
     draws: [Option<DiscreteTable>; 2],
+    beams: Option<&'a BeamLight>,
 }
 
 /// A question to one map.
@@ -43,7 +45,16 @@ impl<'a> PhotonLight<'a> {
         let flux = maps.as_ref().map(|map| map.flux().0.mean()).into_array();
         let draws = [false, true]
             .map(|scattered| draw(std::array::from_fn(|k| if asks(scattered, k) { flux[k] } else { 0.0 })));
-        PhotonLight { estimates, draws }
+        PhotonLight { estimates, draws, beams: None }
+    }
+
+    /// With the same pass's beams.
+    pub(super) fn with_beams(self, beams: Option<&'a BeamLight>) -> PhotonLight<'a> {
+        PhotonLight { beams, ..self }
+    }
+
+    pub(super) fn beams(&self) -> Option<&'a BeamLight> {
+        self.beams
     }
 
     /// Adds the light at each query to the sample that owns it.

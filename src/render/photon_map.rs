@@ -1,5 +1,6 @@
 //! The main conductor: one pass reads emit → trace → map → gather → film.
 
+use super::beam_light::BeamLight;
 use super::emission::{self, limits};
 use super::exposure::expose;
 use super::partition::EyeTask;
@@ -11,7 +12,7 @@ use super::{Job, RenderState};
 use crate::estimate::{bandwidth, kernel};
 use crate::photon::footprint::Spread;
 use crate::photon::{
-    EmissionUnit, FirstEvent, Kinds, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Population,
+    Beam, EmissionUnit, FirstEvent, Kinds, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Population,
     TimeCells,
 };
 use crate::scene::settings::{Estimator, TimeResolution};
@@ -26,9 +27,10 @@ const PHOTONS_PER_UNIT: u64 = 4096;
 /// The rest of the pass under way of the photon-map renderer, added to the film.
 pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
-    let plans = job.plans.get_or_init(|| emission::plan(world));
+    let plans = job.plans();
+    let beams = BeamLight::shoot(job, state)?;
     let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
-    let photons = PhotonLight::of_pass(&maps, &world.scene.settings, pass);
+    let photons = PhotonLight::of_pass(&maps, &world.scene.settings, pass).with_beams(beams.as_ref());
     expose(job, &EyeTask::beside(world, plans), Some(&photons), state)?;
     state.report.add_maps(&maps);
     Ok(())
@@ -59,7 +61,7 @@ pub fn harvest(
     let (spread, cells) = (spread(world, pass), time_cells(world, pass));
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, &units[i], spread, cells);
-    run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts }| {
+    run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts, .. }| {
         let light = units[i].emission.light;
         let none = PhotonCounts::default();
         // What became of all of a unit's photons stands with the kind that they were sent out as.
@@ -87,12 +89,12 @@ fn is_one_sheet(world: &World, population: &Population) -> bool {
 }
 
 /// Some photons of one kind.
-struct Unit<'a> {
+pub(super) struct Unit<'a> {
     population: &'a Population,
     emission: EmissionUnit,
 }
 
-fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
+pub(super) fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
     let of = |population: &'a Population| {
         let Population { plans, aim, .. } = population;
         let all = EmissionUnit::all(plans, world, aim, pass, PHOTONS_PER_UNIT);
@@ -102,13 +104,14 @@ fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit
 }
 
 /// What a unit stored.
-struct Traced {
+pub(super) struct Traced {
     stored: Kinds<Vec<Photon>>,
+    pub beams: Option<Kinds<Vec<Beam>>>,
     counts: PhotonCounts,
 }
 
 /// Only footprints need the photons' columns, and that of time only where something moves.
-fn trace_unit(world: &World, unit: &Unit, spread: Spread, cells: TimeCells) -> Traced {
+pub(super) fn trace_unit(world: &World, unit: &Unit, spread: Spread, cells: TimeCells) -> Traced {
     match (world.scene.settings.estimator, world.scene.shutter.is_instant()) {
         (Estimator::Differentials, true) => trace_with::<4, 0>(world, unit, spread, cells),
         (Estimator::Differentials, false) => trace_with::<4, 1>(world, unit, spread, cells),
@@ -124,8 +127,8 @@ fn trace_with<const N: usize, const T: usize>(world: &World, unit: &Unit, spread
     let aim = &unit.population.aim;
     let emitted = unit.emission.emit(&world.lights, aim, |emission, time, stream| tracer.trace(emission, time, stream));
     tracer.counts.photons_emitted = emitted;
-    let PhotonTracer { stored, counts, .. } = tracer;
-    Traced { stored, counts }
+    let PhotonTracer { stored, beams, counts, .. } = tracer;
+    Traced { stored, beams, counts }
 }
 
 /// How many photons pass `pass` stores, from about `some` units of it, spread over all.

@@ -20,6 +20,9 @@ pub struct SceneDescription {
     pub settings_source: Source,
     pub materials: Vec<MaterialDescription>,
     pub textures: Vec<TextureDescription>,
+    pub media: Vec<MediumDescription>,
+    /// The medium that fills the whole scene.
+    pub atmosphere: Option<Reference>,
     pub meshes: Vec<MeshDescription>,
     pub objects: Vec<ObjectDescription>,
     /// Area lights are objects with [`ObjectDescription::emission`], the others are here.
@@ -84,6 +87,27 @@ pub struct MaterialDescription {
     pub name: String,
     pub source: Source,
     pub model: MaterialModel,
+    /// What the material's objects are filled with, where that is said.
+    pub interior: Option<InteriorDescription>,
+}
+
+/// What is inside of objects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InteriorDescription {
+    pub medium: Option<Reference>,
+    /// Where objects overlap the highest one counts.
+    pub priority: u32,
+}
+
+/// A participating medium, coefficients in 1/m.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MediumDescription {
+    pub name: String,
+    pub source: Source,
+    pub sigma_a: [f64; 3],
+    pub sigma_s: [f64; 3],
+    /// Mean cosine of the phase function.
+    pub g: f64,
 }
 
 /// Linear Rec.709 triples; roughness is the artist's number, whose square is the GGX width.
@@ -128,6 +152,8 @@ pub enum MaterialModel {
         thin: bool,
         normal: Option<NormalMapDescription>,
     },
+    /// No surface, only the boundary of a medium.
+    Interface,
 }
 
 /// Image `texture` (an index into the description's textures) that bends shading normals; slopes are multiplied by `scale`.

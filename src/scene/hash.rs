@@ -45,6 +45,10 @@ fn digest_with(description: &SceneDescription, settings: &RenderSettings) -> Str
     for light in &description.lights {
         out.light(light);
     }
+    if let Some(atmosphere) = &description.atmosphere {
+        out.tag("atmosphere");
+        out.medium_named(atmosphere, description);
+    }
     out.hasher.finalize().to_hex().to_string()
 }
 
@@ -145,6 +149,7 @@ impl Canonical {
             passes,
             spp,
             photons,
+            beams,
             emission,
             guiding,
             estimator,
@@ -201,6 +206,10 @@ impl Canonical {
             self.tag("time kernel");
             self.tag(time_kernel.name());
         }
+        if *beams != RenderSettings::default().beams {
+            self.tag("beams");
+            self.integer(*beams);
+        }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");
             self.numbers(&[*radius]);
@@ -222,7 +231,12 @@ impl Canonical {
         // By content, so that neither names nor the order of materials matter.
         match description.materials.iter().find(|m| m.name == object.material.name) {
             None => self.tag("no material"),
-            Some(material) => self.material(&material.model, description),
+            Some(material) => {
+                self.material(&material.model, description);
+                if let Some(interior) = &material.interior {
+                    self.interior(interior, description);
+                }
+            }
         }
     }
 

@@ -27,6 +27,10 @@ id!(
     MaterialId
 );
 id!(
+    /// A participating medium.
+    MediumId
+);
+id!(
     /// An image texture.
     TextureId
 );

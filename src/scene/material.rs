@@ -36,6 +36,8 @@ pub enum Material {
         thin: bool,
         normal: Option<NormalMap>,
     },
+    /// No surface, only the boundary of a medium: light does not notice it.
+    Interface,
 }
 
 /// An image that bends shading normals.
@@ -62,7 +64,7 @@ impl Material {
                     || normal.is_some()
                     || numbers.iter().any(|number| matches!(number, Textured::Image { .. }))
             }
-            Material::Dielectric { .. } | Material::Conductor { .. } => false,
+            Material::Dielectric { .. } | Material::Conductor { .. } | Material::Interface => false,
         }
     }
 
@@ -82,7 +84,7 @@ impl Material {
     /// microfacets that is not of one class with a diffuse base.
     pub fn can_focus(&self) -> bool {
         match self {
-            Material::Lambert { .. } => false,
+            Material::Lambert { .. } | Material::Interface => false,
             Material::Principled { .. } => self.is_smooth() || self.has_holes() || !self.has_diffuse_base(),
             Material::Mirror { .. }
             | Material::Dielectric { .. }
@@ -100,6 +102,16 @@ impl Material {
             Material::Principled { transmission, thin, .. } => !thin && *transmission != Textured::Constant(0.0),
             _ => false,
         }
+    }
+
+    /// Whether its objects have an inside that light gets to.
+    pub fn has_inside(&self) -> bool {
+        self.is_solid_glass() || *self == Material::Interface
+    }
+
+    /// Whether it is nothing but the boundary of a medium.
+    pub fn is_interface(&self) -> bool {
+        *self == Material::Interface
     }
 
     /// Whether a principled material is smooth all over: an image of roughness never is, glass that bends nothing always.

@@ -11,6 +11,7 @@ pub mod hash;
 pub mod ids;
 pub mod light;
 pub mod material;
+pub mod medium;
 pub mod mesh;
 pub mod metal;
 pub mod object;
@@ -21,9 +22,10 @@ pub mod texture;
 pub use assemble::assemble;
 pub use camera::{CameraModel, CameraSettings, Shutter};
 pub use deformation::Deformation;
-pub use ids::{LightId, MaterialId, MeshId, ObjectId, TextureId};
+pub use ids::{LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 pub use light::LightSource;
 pub use material::Material;
+pub use medium::{Media, Medium};
 pub use mesh::TriangleMesh;
 pub use object::{Object, ObjectGeometry};
 pub use settings::RenderSettings;
@@ -40,6 +42,7 @@ pub struct Scene {
     pub meshes: Vec<TriangleMesh>,
     pub materials: Vec<Material>,
     pub textures: Vec<ImageTexture>,
+    pub media: Media,
     /// Area lights are among them, naming their object.
     pub lights: Vec<LightSource>,
     /// How light i moves while the shutter is open, rigidly; shorter than `lights` where the last ones do not. What moves is

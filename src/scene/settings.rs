@@ -203,6 +203,8 @@ pub struct RenderSettings {
     pub spp: u32,
     /// Photons emitted from all lights, in each pass.
     pub photons: u64,
+    /// Those that become beams in media that scatter, in each pass.
+    pub beams: u64,
     pub emission: EmissionPattern,
     pub guiding: Guiding,
     pub estimator: Estimator,
@@ -236,6 +238,7 @@ impl Default for RenderSettings {
             passes: 1,
             spp: 16,
             photons: 200_000,
+            beams: 10_000,
             emission: EmissionPattern::Lattice,
             guiding: Guiding::On,
             estimator: Estimator::Differentials,

@@ -20,7 +20,7 @@ pub fn directly_seen(world: &World) -> Result<Vec<bool>, BadCamera> {
         (0..RAYS).all(|i| {
             let [u, v] = qmc::golden_lattice(i, RAYS);
             let ray = camera.ray(Point2::new(f64::from(x) + u, f64::from(y) + v), Vec2::ZERO).ray;
-            world.intersect(&ray).is_none_or(|si| !world.bsdf_unfiltered(&si).has_delta())
+            world.first_surface(&ray).is_none_or(|si| !world.bsdf_unfiltered(&si).has_delta())
         })
     };
     let row = |y| (0..width).map(move |x| matt(x, y));

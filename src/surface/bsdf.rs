@@ -84,6 +84,8 @@ impl Bsdf {
             Material::Dielectric { ior, exterior, fresnel } => {
                 Model::Dielectric(Dielectric::new(*ior, *exterior, *fresnel))
             }
+            // Callers fly on through it; to others it is glass of no index.
+            Material::Interface => Model::Dielectric(Dielectric::new(1.0, 1.0, true)),
             Material::Conductor { eta, k } => Model::Conductor(Conductor { eta: *eta, k: *k }),
             Material::RoughDielectric { ior, exterior, alpha } => {
                 let (interface, alpha) = (Dielectric::new(*ior, *exterior, true), number(alpha));

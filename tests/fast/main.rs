@@ -20,6 +20,7 @@ mod light_assembly;
 mod lights;
 mod bad_input;
 mod mesh_files;
+mod media;
 mod metric;
 mod motion;
 mod motion_blur;

@@ -4,6 +4,7 @@
 use std::f64::consts::PI;
 
 use pdembree::math::{Dir3, Point3, Vec2, Vec3};
+use pdembree::medium::HenyeyGreenstein;
 use pdembree::sampling::warp::{
     ConcentricDisk, CosineHemisphere, Parallelogram, Triangle, UniformCone, UniformHemisphere, UniformSphere, Warp,
 };
@@ -97,6 +98,9 @@ where
     }
 }
 
+/// Mean cosines of phase functions.
+const PHASES: [f64; 5] = [-0.6, 0.0, 1e-9, 0.3, 0.8];
+
 #[test]
 fn quartets_of_all_warps() {
     check_quartet("concentric disk", &ConcentricDisk, 1.0, diagonals);
@@ -109,6 +113,9 @@ fn quartets_of_all_warps() {
     check_quartet("narrow cone", &UniformCone::from_sin_squared(1e-12), 1.0, diagonals);
     check_quartet("parallelogram", &PARALLELOGRAM, 5.0, smooth);
     check_quartet("triangle", &TRIANGLE, 5.0, diagonals);
+    for g in PHASES {
+        check_quartet(&format!("phase function of g = {g}"), &HenyeyGreenstein::new(g), 1.0, diagonals);
+    }
 }
 
 /// Corners, edges and centre of the unit square, where maps have their seams and singular points.
@@ -146,6 +153,9 @@ fn the_edges_of_the_unit_square_are_safe() {
     check_edges("narrow cone", &UniformCone::from_sin_squared(1e-14));
     check_edges("parallelogram", &PARALLELOGRAM);
     check_edges("triangle", &TRIANGLE);
+    for g in PHASES {
+        check_edges("phase function", &HenyeyGreenstein::new(g));
+    }
 }
 
 /// Chi² of 100 000 directions in 10 × 12 cells of equal solid angle in [z_min, 1] × azimuth, `share` giving the
@@ -179,7 +189,7 @@ fn directions_p_value<W: Warp<Out = Dir3>>(warp: &W, z_min: f64, share: impl Fn(
 #[test]
 fn directions_follow_their_densities() {
     let cone = |cos: f64| (UniformCone::from_cos(cos), cos);
-    let n = 6;
+    let n = 6 + PHASES.len();
     let p = directions_p_value(&CosineHemisphere, 0.0, |a, b| b * b - a * a);
     assert_plausible(p, n, format!("cosine hemisphere, seed {SEED}"));
     let p = directions_p_value(&UniformSphere, -1.0, |a, b| 0.5 * (b - a));
@@ -189,6 +199,15 @@ fn directions_follow_their_densities() {
     for (warp, cos) in [cone(0.8), cone(0.0), cone(-0.7)] {
         let p = directions_p_value(&warp, cos, |a, b| (b - a) / (1.0 - cos));
         assert_plausible(p, n, format!("cone of cosine {cos}, seed {SEED}"));
+    }
+    for g in PHASES {
+        // ∫ p dω up to a cosine μ, over 2π: (1 − g²)/(2g) (1/√(1 + g² − 2gμ) − 1/(1 + g)), as a difference of roots.
+        let up_to = |mu: f64| {
+            let (root, end) = ((1.0 + g * g - 2.0 * g * mu).sqrt(), 1.0 + g);
+            (1.0 - g * g) * (1.0 + mu) / ((end + root) * root * end)
+        };
+        let p = directions_p_value(&HenyeyGreenstein::new(g), -1.0, |a, b| up_to(b) - up_to(a));
+        assert_plausible(p, n, format!("phase function of g = {g}, seed {SEED}"));
     }
 }
 

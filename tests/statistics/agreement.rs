@@ -324,24 +324,24 @@ radiance = [0.5, 0.3, 0.1]
 "#;
 
 #[derive(Clone, Copy)]
-struct Settings {
-    method: &'static str,
-    caustics: &'static str,
-    indirect: &'static str,
-    spp: u32,
-    photons: u64,
+pub struct Settings {
+    pub method: &'static str,
+    pub caustics: &'static str,
+    pub indirect: &'static str,
+    pub spp: u32,
+    pub photons: u64,
 }
 
-const PHOTON_MAP: Settings =
+pub const PHOTON_MAP: Settings =
     Settings { method: "photon_map", caustics: "photons", indirect: "path", spp: 16, photons: 40_000 };
 /// Photons and eye paths both find caustics of wide lamps.
 const SHARED: Settings = Settings { caustics: "shared", ..PHOTON_MAP };
 /// With footprints half as wide: all light is blurred by them.
 const GLOBAL: Settings = Settings { indirect: "global", photons: 160_000, ..SHARED };
 const FINAL_GATHER: Settings = Settings { indirect: "final_gather", ..SHARED };
-const PATH: Settings = Settings { method: "path", spp: 256, photons: 1, ..PHOTON_MAP };
+pub const PATH: Settings = Settings { method: "path", spp: 256, photons: 1, ..PHOTON_MAP };
 const PATHS: Settings = Settings { spp: 1024, ..PATH };
-const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 800_000, ..PHOTON_MAP };
+pub const LIGHT: Settings = Settings { method: "light", spp: 1, photons: 800_000, ..PHOTON_MAP };
 
 /// The light's parts, and the classes of paths: each adds up to the beauty.
 const PARTS: [&str; 3] = ["direct", "caustic", "indirect"];
@@ -384,7 +384,7 @@ fn assert_adds_up(picture: &Image) {
 }
 
 /// One for each seed.
-fn pictures(scene: &str, settings: &Settings) -> Vec<Image> {
+pub fn pictures(scene: &str, settings: &Settings) -> Vec<Image> {
     (0..RUNS).map(|seed| picture(scene, settings, seed)).collect()
 }
 
@@ -411,13 +411,13 @@ fn assert_agree(scene: &str, a: &Settings, b: &Settings, layer: &str) -> f64 {
 }
 
 /// The mean of a layer with each of two methods.
-fn means(pictures: &[Vec<Image>; 2], layer: &str) -> String {
+pub fn means(pictures: &[Vec<Image>; 2], layer: &str) -> String {
     let [a, b] = pictures.each_ref().map(|pictures| blocks(pictures, layer, SIDE)[1]);
     format!("{a} against {b}")
 }
 
 /// The same of their pictures.
-fn assert_blocks_agree(pictures: &[Vec<Image>; 2], layer: &str, side: usize) -> f64 {
+pub fn assert_blocks_agree(pictures: &[Vec<Image>; 2], layer: &str, side: usize) -> f64 {
     let [first, second] = pictures.each_ref().map(|pictures| blocks(pictures, layer, side));
     let lit: Vec<_> = first.iter().zip(&second).filter(|(x, y)| x.mean > 0.0 || y.mean > 0.0).collect();
     for (i, (x, y)) in lit.iter().enumerate() {

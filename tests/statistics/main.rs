@@ -10,5 +10,6 @@ mod interreflection;
 mod light_emission;
 mod light_samples;
 mod lights;
+mod media;
 mod motion_blur;
 mod bsdf;

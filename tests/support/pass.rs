@@ -99,6 +99,7 @@ impl Small {
     fn look(&self, bounds: PixelBounds) -> Seen {
         let settings = &self.world.scene.settings;
         let tracer = EyePathTracer {
+            beams: None,
             world: &self.world,
             task: &EyeTask::alone(EyeFinds::AllButFocused),
             max_depth: settings.max_depth,

@@ -4,8 +4,8 @@ use pdembree::math::{Bounds3, Point3, Ray, Transform, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::{
-    CameraModel, CameraSettings, Material, MaterialId, MeshId, Object, ObjectGeometry, RenderSettings, Scene, Shutter,
-    Textured, TriangleMesh,
+    CameraModel, CameraSettings, Material, MaterialId, Media, MeshId, Object, ObjectGeometry, RenderSettings, Scene,
+    Shutter, Textured, TriangleMesh,
 };
 use pdembree::shape::Shape;
 
@@ -23,6 +23,7 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
         meshes,
         materials: vec![Material::Lambert { albedo: Textured::Constant(Spectrum::ONE) }],
         textures: vec![],
+        media: Media::default(),
         lights: vec![],
         light_motions: vec![],
         camera: CameraSettings {

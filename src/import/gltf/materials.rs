@@ -58,7 +58,7 @@ impl<'a> Materials<'a> {
         let emission = emission(material, &mut uses, self.source)?;
         let is_lamp = emission.is_some() && material.emissive_texture().is_none();
         let finish = Finish { name: name.clone(), emission, is_lamp, uv_set: uses.uv_set };
-        self.described.push(MaterialDescription { name, source: self.source.clone(), model });
+        self.described.push(MaterialDescription { name, source: self.source.clone(), model, interior: None });
         self.finishes[place] = Some(finish.clone());
         Ok(finish)
     }

@@ -240,6 +240,7 @@ pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> Re
         passes: section.or("passes", count(1), default.passes.into()) as u32,
         spp: section.or("spp", count(1), default.spp.into()) as u32,
         photons: section.or("photons", photons, default.photons),
+        beams: section.or("beams", Integer::within(1, MAX_PHOTONS_PER_PASS), default.beams),
         emission: section.or(
             "emission",
             Choice { names: EmissionPattern::NAMES, from_name: EmissionPattern::from_name },

@@ -3,6 +3,7 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
+use super::media;
 use crate::import::assets::Assets;
 use crate::import::image::ColourSpace;
 use crate::import::keyed::convert::{
@@ -23,6 +24,23 @@ enum MaterialName {
     RoughConductor,
     Plastic,
     Principled,
+    Interface,
+}
+
+impl MaterialName {
+    fn has_inside(self) -> bool {
+        match self {
+            MaterialName::Dielectric
+            | MaterialName::RoughDielectric
+            | MaterialName::Principled
+            | MaterialName::Interface => true,
+            MaterialName::Lambert
+            | MaterialName::Mirror
+            | MaterialName::Conductor
+            | MaterialName::RoughConductor
+            | MaterialName::Plastic => false,
+        }
+    }
 }
 
 const MATERIALS: Choice<'_, MaterialName> = Choice {
@@ -35,6 +53,7 @@ const MATERIALS: Choice<'_, MaterialName> = Choice {
         "rough_conductor",
         "plastic",
         "principled",
+        "interface",
     ],
     from_name: |name| match name {
         "lambert" => Some(MaterialName::Lambert),
@@ -45,6 +64,7 @@ const MATERIALS: Choice<'_, MaterialName> = Choice {
         "rough_conductor" => Some(MaterialName::RoughConductor),
         "plastic" => Some(MaterialName::Plastic),
         "principled" => Some(MaterialName::Principled),
+        "interface" => Some(MaterialName::Interface),
         _ => None,
     },
 };
@@ -85,15 +105,19 @@ fn read_material(name: &str, section: Section<'_>, assets: &mut Assets) -> Mater
             None
         }
     };
-    let model = match kind {
+    let (model, interior) = match kind {
         Some(kind) => {
             let model = read_model(kind, &section, assets);
+            let interior = if kind.has_inside() { media::read_interior(&section) } else { None };
+            if matches!(kind, MaterialName::Interface) && interior.is_none() {
+                section.missing("interior", "the name of the medium inside");
+            }
             section.finish();
-            model
+            (model, interior)
         }
-        None => MaterialModel::Lambert { albedo: Parameter::Constant([0.5; 3]) },
+        None => (MaterialModel::Lambert { albedo: Parameter::Constant([0.5; 3]) }, None),
     };
-    MaterialDescription { name: name.to_owned(), source, model }
+    MaterialDescription { name: name.to_owned(), source, model, interior }
 }
 
 fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) -> MaterialModel {
@@ -121,6 +145,7 @@ fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) ->
         MaterialName::Plastic => {
             MaterialModel::Plastic { albedo: colour("albedo", section, assets), ior: section.or("ior", POSITIVE, 1.5) }
         }
+        MaterialName::Interface => MaterialModel::Interface,
         MaterialName::Principled => MaterialModel::Principled {
             base_colour: colour("base_colour", section, assets),
             metalness: share("metalness", 0.0, section, assets),

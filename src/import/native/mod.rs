@@ -6,6 +6,7 @@ mod camera;
 mod included;
 mod lights;
 mod materials;
+mod media;
 mod objects;
 mod overrides;
 
@@ -89,6 +90,8 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
     let mut materials = materials::read(&root, &mut assets);
     let mut objects = objects::read(&root, &mut assets);
     let mut lights = lights::read(&root);
+    let media = media::read(&root);
+    let atmosphere = media::reference(&root, "atmosphere");
     // A free table that closed-form tests read.
     root.get("expect");
     root.finish();
@@ -105,6 +108,8 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
         settings_source,
         materials: materials.into_iter().chain(assets.materials).collect(),
         textures: assets.textures,
+        media,
+        atmosphere,
         meshes: assets.meshes,
         objects,
         lights,

@@ -131,7 +131,7 @@ impl Materials {
             Ok(Model::Known(model)) => {
                 let name = name.unwrap_or_else(|| self.names.unique(&written.kind));
                 let source = written.parameters.source.clone();
-                self.described.push(MaterialDescription { name: name.clone(), source, model });
+                self.described.push(MaterialDescription { name: name.clone(), source, model, interior: None });
                 Some(Surface::Material(name))
             }
         };
@@ -164,7 +164,10 @@ impl Materials {
             MaterialModel::Principled { base_colour, roughness, transmission, .. } => {
                 image(base_colour) || number(roughness) || number(transmission)
             }
-            MaterialModel::Mirror { .. } | MaterialModel::Dielectric { .. } | MaterialModel::Conductor { .. } => false,
+            MaterialModel::Mirror { .. }
+            | MaterialModel::Dielectric { .. }
+            | MaterialModel::Conductor { .. }
+            | MaterialModel::Interface => false,
         })
     }
 

@@ -172,7 +172,7 @@ fn warn_about_glass(description: &SceneDescription, sound: &[bool], materials: &
     let mut checked = vec![false; sound.len()];
     for object in &description.objects {
         let material = materials.lookup(&object.material.name);
-        let glass = material.is_some_and(Material::is_solid_glass);
+        let glass = material.is_some_and(Material::has_inside);
         let ShapeDescription::Mesh { mesh: Some(mesh) } = object.shape else { continue };
         if !glass || !sound.get(mesh).copied().unwrap_or(false) || std::mem::replace(&mut checked[mesh], true) {
             continue;

@@ -70,6 +70,7 @@ impl Materials {
                 checks.indices(ior, exterior);
                 Material::Dielectric { ior, exterior, fresnel }
             }
+            MaterialModel::Interface => Material::Interface,
             MaterialModel::Conductor { eta, k } => {
                 let (eta, k) = checks.metal(eta, k);
                 Material::Conductor { eta, k }

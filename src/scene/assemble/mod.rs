@@ -7,6 +7,7 @@ mod camera;
 mod geometry;
 mod lights;
 mod materials;
+mod media;
 mod meshes;
 mod motion;
 
@@ -23,7 +24,7 @@ use super::light::LightSource;
 use super::material::Material;
 use super::object::{Object, ObjectGeometry};
 use super::settings::{Indirect, MAX_PHOTONS_PER_PASS, Method, RenderSettings};
-use super::{CameraSettings, Scene, TriangleMesh};
+use super::{CameraSettings, Media, Scene, TriangleMesh};
 use crate::math::Bounds3;
 use crate::radiometry::Spectrum;
 
@@ -61,6 +62,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let camera = camera::assemble(description.camera.as_ref(), shutter, &description.source, &mut report);
     check_settings(&description, &mut report);
     let materials = Materials::assemble(&description, &mut report);
+    let media = media::assemble(&description, &materials, &mut report);
     let geometry = Geometry::assemble(&mut description, shutter, &materials, &mut report);
     let (mut lights, light_motions) = lights::assemble(&description.lights, shutter, &mut report);
     let objects = place_objects(&description, shutter, &materials, &geometry, &mut lights, &mut report);
@@ -80,7 +82,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
         || geometry.meshes.iter().any(TriangleMesh::changes);
     let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
-    problems.into_result((Scene { bounds, shutter, light_motions, ..scene }, warnings))
+    problems.into_result((Scene { bounds, shutter, light_motions, media, ..scene }, warnings))
 }
 
 fn scene(
@@ -97,6 +99,7 @@ fn scene(
         meshes: geometry.meshes,
         materials: materials.materials,
         textures: materials.textures,
+        media: Media::default(),
         lights,
         light_motions: Vec::new(),
         camera,

@@ -1,10 +1,34 @@
 //! Materials and their images, by content.
 
 use super::{Canonical, earlier};
-use crate::scene::description::{MaterialModel, NormalMapDescription, Parameter, SceneDescription};
+use crate::scene::description::{
+    InteriorDescription, MaterialModel, MediumDescription, NormalMapDescription, Parameter, Reference, SceneDescription,
+};
 use crate::scene::texture::{ImageTexture, Placement, Wrap};
 
 impl Canonical {
+    /// Only where there is one, so that other scenes keep the digest they had before there were media.
+    pub(super) fn interior(&mut self, interior: &InteriorDescription, description: &SceneDescription) {
+        self.tag("interior");
+        self.integer(interior.priority.into());
+        match &interior.medium {
+            None => self.tag("no medium"),
+            Some(medium) => self.medium_named(medium, description),
+        }
+    }
+
+    /// A medium by content.
+    pub(super) fn medium_named(&mut self, medium: &Reference, description: &SceneDescription) {
+        match description.media.iter().find(|m| m.name == medium.name) {
+            None => self.tag("unknown medium"),
+            Some(MediumDescription { sigma_a, sigma_s, g, .. }) => {
+                self.tag("medium");
+                self.numbers([*sigma_a, *sigma_s].as_flattened());
+                self.numbers(&[*g]);
+            }
+        }
+    }
+
     pub(super) fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {
         match *material {
             MaterialModel::Lambert { albedo } => {
@@ -20,6 +44,7 @@ impl Canonical {
                 self.numbers(&[ior, exterior]);
                 self.integer(fresnel.into());
             }
+            MaterialModel::Interface => self.tag("interface"),
             MaterialModel::Conductor { eta, k } => {
                 self.tag("conductor");
                 self.numbers([eta, k].as_flattened());

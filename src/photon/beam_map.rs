@@ -1,0 +1,87 @@
+//! All beams of a pass of one kind, and which of them a ray may cross.
+//!
+//! Beams are cut into pieces, so that the boxes around them are narrow, and a tree stands over the pieces' boxes. A crossing
+//! belongs to the piece in which it lies on the beam's axis, so that none is counted twice.
+
+use std::ops::ControlFlow;
+
+use super::beam::Beam;
+use super::index::{BoxTree, Boxes, Lanes, OuterBox, SlabRay, Visitor};
+use super::order::ZCurve;
+use crate::math::Bounds3;
+
+/// Pieces per beam in the mean; twice as many made rays no faster.
+const PIECES: f64 = 16.0;
+/// Pieces of one beam at most.
+const MOST_PIECES: f64 = 1024.0;
+
+/// Beams with a tree over them.
+#[derive(Debug)]
+pub struct BeamMap {
+    pub beams: Vec<Beam>,
+    pieces: Vec<Piece>,
+    tree: BoxTree,
+}
+
+/// A part of a beam between two distances, m.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    beam: u32,
+    from: f64,
+    to: f64,
+}
+
+impl BeamMap {
+    /// The map of all; the same whatever order they come in.
+    pub fn new(mut beams: Vec<Beam>) -> BeamMap {
+        beams.sort_by_cached_key(Beam::bits);
+        let length: f64 = beams.iter().map(|beam| beam.length).sum();
+        let step = length / (PIECES * beams.len() as f64);
+        let mut pieces = Vec::new();
+        for (i, beam) in (0..).zip(&beams) {
+            let count = (beam.length / step).ceil().clamp(1.0, MOST_PIECES);
+            let place = |k: f64| beam.length * (k / count);
+            let all = (0..count as u32).map(f64::from);
+            pieces.extend(all.map(|k| Piece { beam: i, from: place(k), to: place(k + 1.0) }));
+        }
+        let middle = |piece: &Piece| beams[piece.beam as usize].at(0.5 * (piece.from + piece.to));
+        let curve = ZCurve::through(&Bounds3::from_points(pieces.iter().map(middle)));
+        // A stable sort: pieces at one place keep the order of their beams.
+        pieces.sort_by_cached_key(|piece| curve.code(middle(piece)));
+        let boxed = |i: usize| {
+            let Piece { beam, from, to } = pieces[i];
+            let beam = &beams[beam as usize];
+            let ends = OuterBox::new(beam.at(from), beam.half_extents(from, to));
+            ends.union(OuterBox::new(beam.at(to), beam.half_extents(from, to)))
+        };
+        let tree = BoxTree::build(pieces.len(), boxed);
+        BeamMap { beams, pieces, tree }
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.beams.as_slice()) + size_of_val(self.pieces.as_slice()) + self.tree.bytes()
+    }
+
+    /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and between which distances it is this piece's.
+    #[inline(always)]
+    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Beam, [f64; 2])) {
+        struct Along<'a, F> {
+            map: &'a BeamMap,
+            ray: &'a SlabRay,
+            visit: F,
+        }
+        impl<F: FnMut(&Beam, [f64; 2])> Visitor for Along<'_, F> {
+            #[inline(always)]
+            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
+                boxes.met(self.ray)
+            }
+            #[inline(always)]
+            fn visit(&mut self, i: usize) -> ControlFlow<()> {
+                let Piece { beam, from, to } = self.map.pieces[i];
+                (self.visit)(&self.map.beams[beam as usize], [from, to]);
+                ControlFlow::Continue(())
+            }
+        }
+        self.tree.lead(&mut Along { map: self, ray, visit });
+    }
+}

@@ -1,0 +1,151 @@
+//! The eye's path through participating media: volumetric path tracing.
+//!
+//! On every edge a place of scattering is drawn in proportion to what is left there (`medium::homogeneous`); it is a vertex
+//! of class D like one on a matte surface. From it a light is looked for, weighted by the power heuristic against the
+//! direction that the phase function draws [Veach97 9.2.4]. Where nothing that is scattered would be the eye's, light is
+//! only attenuated.
+
+use std::ops::ControlFlow;
+
+use super::{EyePathTracer, Walk, survives_roulette};
+use crate::estimate::beams::EyeSegment;
+use crate::film::{EyeSample, LightKind, Part};
+use crate::math::Ray;
+use crate::medium::{HenyeyGreenstein, Regions};
+use crate::radiometry::measure::power_heuristic;
+use crate::render::partition::EyeFinds;
+use crate::sampling::Stream;
+use crate::world::{Flown, MediumPoint};
+
+/// How many of the edges behind a bounce ask for beams, for all of them: each crosses hundreds, and a pixel averages many.
+const ASKING_BEHIND_A_BOUNCE: f64 = 0.25;
+
+impl EyePathTracer<'_> {
+    /// To the next surface, or to where a medium scatters; `walk.beta` is what is left.
+    pub(super) fn fly(
+        &self,
+        regions: &Regions,
+        walk: &mut Walk,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) -> Flown<MediumPoint> {
+        let may_scatter =
+            self.task.finds != EyeFinds::Emitters && !walk.looks_for_lights_only && walk.bounces <= self.max_bounces;
+        let asked = self.beams.filter(|_| may_scatter && self.task.finds.leaves_focused() && !walk.shared);
+        let asking = if walk.bounces == 0 { 1.0 } else { ASKING_BEHIND_A_BOUNCE };
+        let (scattered, straight) = (self.task.finds.leaves_scattered(walk.bounces), walk.walked.straight_at(false));
+        let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
+        let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
+        let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
+        self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
+            let medium = regions.get(stretch.medium);
+            if !may_scatter || !medium.scatters() {
+                *beta *= medium.transmittance(stretch.length());
+                return ControlFlow::Continue(());
+            }
+            if let Some(beams) = asked
+                && (asking == 1.0 || stream.uniform() < asking)
+            {
+                let from = stretch.from;
+                let segment = EyeSegment {
+                    origin: ray.at(from),
+                    w,
+                    length: stretch.length(),
+                    id: stretch.medium,
+                    medium,
+                    eye: eye.map(|(dx, dw)| (dx + dw * from, dw)),
+                    bounces,
+                };
+                beams.along(&segment, scattered, straight, |kind, light| {
+                    sample.add(kind, *beta * light * (1.0 / asking))
+                });
+            }
+            let (event, weight) = medium.draw(*beta, stretch.length(), stream.uniform2());
+            *beta *= weight;
+            match event {
+                None => ControlFlow::Continue(()),
+                Some(distance) => {
+                    let t = stretch.from + distance;
+                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
+                }
+            }
+        })
+    }
+
+    /// Fills the layers that show what the eye sees first.
+    pub(super) fn see_medium(
+        &self,
+        regions: &Regions,
+        at: &MediumPoint,
+        edge: u32,
+        seen: bool,
+        sample: &mut EyeSample,
+    ) -> bool {
+        if edge == 1 {
+            sample.depth = Some(at.t);
+        }
+        if !seen {
+            sample.albedo = regions.get(at.medium).albedo();
+        }
+        true
+    }
+
+    /// Light from lights at a place in a medium, and the way on; false where the path ends.
+    pub(super) fn scatter_in_medium(
+        &self,
+        regions: &Regions,
+        walk: &mut Walk,
+        at: &MediumPoint,
+        edge: u32,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) -> bool {
+        let phase = HenyeyGreenstein::new(regions.get(at.medium).asymmetry);
+        if walk.beta.is_black() {
+            return false;
+        }
+        self.add_direct_light_in_medium(regions, walk, at, &phase, stream, sample);
+        let u = walk.first_bounce.take().map_or_else(|| stream.uniform2(), |(_, u)| u);
+        let (wi, pdf) = phase.turn(walk.w, u);
+        walk.walked = walk.walked.scattered(false);
+        walk.looks_for_lights_only = self.task.finds.leaves_scattered(walk.bounces);
+        walk.bounces += 1;
+        walk.chain = 0;
+        walk.scattered = Some((at.p, pdf));
+        walk.differential = self.gathered_over(wi, pdf);
+        if !survives_roulette(walk, edge, stream) {
+            return false;
+        }
+        walk.w = wi;
+        walk.ray = Ray::new(at.p, wi).at_time(walk.ray.time);
+        true
+    }
+
+    fn add_direct_light_in_medium(
+        &self,
+        regions: &Regions,
+        walk: &mut Walk,
+        at: &MediumPoint,
+        phase: &HenyeyGreenstein,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) {
+        let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
+        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let Some(found) = self.world.lights.get(choice.light).sample_li(at.p, u) else { return };
+        if found.weight.is_zero() {
+            return;
+        }
+        let value = phase.between(walk.w, found.wi);
+        let ray = at.shadow_ray(found.wi, found.distance);
+        let Some(left) = self.world.transmittance(regions, &ray, walk.inside) else { return };
+        let weight = match found.pdf {
+            None => 1.0,
+            Some(pdf) => power_heuristic((pdf * choice.pmf).get(), value),
+        };
+        let weight = weight * self.part_of(walk, choice.light);
+        let light = walk.beta * found.weight.0 * left * (value * weight / choice.pmf.0);
+        let part = if walk.order() == 0 { Part::Direct } else { Part::Indirect };
+        sample.add(LightKind { part, arrival: walk.walked.straight_at(false) }, light);
+    }
+}
