@@ -154,13 +154,14 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         TimeResolution::Auto => "auto".into(),
         TimeResolution::Cells(count) => count.into(),
     };
-    let all: [(&str, serde_json::Value); 22] = [
+    let all: [(&str, serde_json::Value); 23] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
         ("passes", settings.passes.into()),
         ("spp", settings.spp.into()),
         ("photons", settings.photons.into()),
+        ("beams", settings.beams.into()),
         ("emission", settings.emission.name().into()),
         ("estimator", settings.estimator.name().into()),
         ("guiding", settings.guiding.name().into()),

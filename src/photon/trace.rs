@@ -177,17 +177,17 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         }
     }
 
-    fn fly(&mut self, branch: Branch<N, T>, stream: &mut Stream) {
+    fn fly(&mut self, mut branch: Branch<N, T>, stream: &mut Stream) {
         let world = self.world;
         let met = match &world.regions {
             None => {
                 let si = world.intersect(&Ray::new(branch.origin, branch.w).at_time(self.time));
                 self.counts.escaped += u64::from(si.is_none());
-                si.map(|si| (si, branch))
+                si
             }
-            Some(regions) => self.cross(regions, branch, stream),
+            Some(regions) => self.cross(regions, &mut branch, stream),
         };
-        let Some((si, branch)) = met else { return };
+        let Some(si) = met else { return };
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
         let motion = self.motion(&si);
         let columns = match self.bounces.filter(|_| straight_from_bounce) {

@@ -136,7 +136,8 @@ impl Control {
         let own = self.points[vertex];
         match &ring.around[..] {
             [] => own,
-            [first, .., last] if ring.is_boundary => (3.0 * own + self.point(*first) + self.point(*last)) / 5.0,
+            // Of a cubic B-spline, which the refined boundary goes to.
+            [first, .., last] if ring.is_boundary => (4.0 * own + self.point(*first) + self.point(*last)) / 6.0,
             around => {
                 let n = around.len() as f64;
                 let weight = 1.0 / (n + 0.375 / interior_weight(around.len()));

@@ -27,9 +27,9 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
     pub(super) fn cross(
         &mut self,
         regions: &Regions,
-        mut branch: Branch<N, T>,
+        branch: &mut Branch<N, T>,
         stream: &mut Stream,
-    ) -> Option<(Interaction, Branch<N, T>)> {
+    ) -> Option<Interaction> {
         let world = self.world;
         let ray = Ray::new(branch.origin, branch.w).at_time(self.time);
         let (mut inside, mut left) = (branch.inside, Spectrum::ONE);
@@ -37,8 +37,8 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
             let medium = regions.get(stretch.medium);
             if medium.scatters() {
                 let there = Left { stretch, left, inside };
-                self.store_beam(&branch, &there);
-                self.scatter_in_medium(regions, &branch, &there, stream);
+                self.store_beam(branch, &there);
+                self.scatter_in_medium(regions, branch, &there, stream);
             }
             left *= medium.transmittance(stretch.length());
             ControlFlow::<()>::Continue(())
@@ -54,7 +54,7 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
             self.counts.absorbed += 1;
             return None;
         }
-        Some((si, branch))
+        Some(si)
     }
 
     /// Which beams a photon that has come this way is one of; as [`PhotonTracer::kind_of`].
