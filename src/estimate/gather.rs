@@ -30,6 +30,9 @@ pub struct GatherPoint {
     pub eye: [Vec3; 2],
     /// Which photons are asked.
     pub asks: Asks,
+    /// Where in the shutter's interval the eye looks, from −½ to ½, on an object that is carried along: the light of that
+    /// moment is asked for, of photons that say where theirs is then.
+    pub moment: Option<f64>,
 }
 
 impl GatherPoint {
@@ -255,7 +258,8 @@ mod tests {
     }
 
     fn point(p: Point3, n: Normal3, eye: [Vec3; 2]) -> GatherPoint {
-        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf: lambert_at(p, n, 1.0), eye, asks: Asks::All(Turn::ALONE) }
+        let (ng, ns, wo, bsdf) = (n, n, n.as_dir(), lambert_at(p, n, 1.0));
+        GatherPoint { p, ng, ns, wo, bsdf, eye, asks: Asks::All(Turn::ALONE), moment: None }
     }
 
     fn random_photons(n: usize) -> Vec<Photon> {

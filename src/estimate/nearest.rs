@@ -162,7 +162,8 @@ mod tests {
     fn point(p: Point3) -> GatherPoint {
         let n = Normal3::Z;
         let bsdf = lambert_at(p, n, 1.0);
-        GatherPoint { p, ng: n, ns: n, wo: n.as_dir(), bsdf, eye: [Vec3::ZERO; 2], asks: Asks::All(Turn::ALONE) }
+        let (ng, ns, wo, eye) = (n, n, n.as_dir(), [Vec3::ZERO; 2]);
+        GatherPoint { p, ng, ns, wo, bsdf, eye, asks: Asks::All(Turn::ALONE), moment: None }
     }
 
     fn one_density(n: u32, k: usize, kernel: KernelShape, seed: u64, trial: u64) -> f64 {

@@ -15,7 +15,7 @@ use crate::scene::settings::KernelShape;
 use crate::surface::TransportMode;
 
 /// K(dᵀ Q⁻¹ d)/√det Q in 1/m², Q = Q_photon + Q_eye; 0 where the footprint does not reach the point or belongs to another
-/// surface.
+/// surface. Where the point has a moment, the kernel is where the photon's light is then.
 pub fn weight(photon: &Photon, kernel: KernelShape, point: &GatherPoint) -> f64 {
     let n = photon.normal();
     let o = point.p - photon.position();
@@ -27,9 +27,10 @@ pub fn weight(photon: &Photon, kernel: KernelShape, point: &GatherPoint) -> f64 
     let form = photon.form().plus(TangentForm::from_axes(&frame, point.eye));
     let determinant = form.determinant();
     let d = frame.project(o - slide * height);
-    let (distance, swept) = match photon.sweep() {
-        None => (form.adjugate_form(d), 0.0),
-        Some(sweep) => over_segment(&form, kernel, d, sweep),
+    let (distance, swept) = match (photon.sweep(), point.moment) {
+        (None, _) => (form.adjugate_form(d), 0.0),
+        (Some(sweep), Some(moment)) => (form.adjugate_form(d - sweep * moment), 0.0),
+        (Some(sweep), None) => over_segment(&form, kernel, d, sweep),
     };
     // Neither without area nor out of reach; false for NaN.
     if !(determinant > 0.0 && distance < determinant) {

@@ -48,13 +48,13 @@ impl Photon {
             tail: bounces & !SWEPT,
         }
     }
-    /// With the segment over which its light is swept, to either side, in the axes of [`Photon::frame_of`]; `None` where
-    /// there is no room for that.
+    /// With the way that its light goes, half of it before and half of it after its place, in the axes of
+    /// [`Photon::frame_of`]; `None` where there is no room for that.
     pub fn over(self, sweep: Vec2) -> Option<Photon> {
         let code = super::sweep::encode(sweep).filter(|_| self.tail <= MAX_SWEPT_BOUNCES)?;
         Some(Photon { tail: SWEPT | code << 7 | self.tail, ..self })
     }
-    /// The segment, if it has one.
+    /// That way, if it has one.
     pub fn sweep(&self) -> Option<Vec2> {
         (self.tail & SWEPT != 0).then(|| super::sweep::decode(self.tail >> 7 & 0xff_ffff))
     }

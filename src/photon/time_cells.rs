@@ -40,6 +40,10 @@ impl TimeCells {
     pub fn one(shutter: Shutter) -> TimeCells {
         TimeCells { shutter, count: 1, spread: 0.0, kernel: TimeKernel::Variance }
     }
+    /// The whole interval as one of them.
+    pub fn together(self) -> TimeCells {
+        TimeCells { count: 1, ..self }
+    }
     pub fn count(&self) -> usize {
         self.count as usize
     }

@@ -22,7 +22,7 @@ use super::record::Photon;
 use super::time_cells::TimeCells;
 use crate::differential::{SurfaceMotion, blurred};
 use crate::light::Emission;
-use crate::math::{Dir3, Frame, Point3, Ray};
+use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
 use crate::medium::Inside;
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
@@ -267,26 +267,33 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             let to_rest = si.to_rest(&self.world.scene);
             let columns = Columns { cell: to_rest.columns(&columns.cell), time: to_rest.columns(&columns.time) };
             let (wi, flux) = (to_rest.direction(-branch.w), flux * to_rest.area(si.ng));
-            return self.store_at(&to_rest.interaction(si), wi, (flux, branch.bounces), &columns, kind);
+            let cells = self.time_cells.together();
+            return self.store_at(&to_rest.interaction(si), wi, (flux, branch.bounces), &columns, (cells, true), kind);
         }
-        self.store_at(si, -branch.w, (flux, branch.bounces), columns, kind);
+        let (cells, goes) = (self.time_cells, self.time_cells.sweeps());
+        self.store_at(si, -branch.w, (flux, branch.bounces), columns, (cells, goes), kind);
     }
 
+    /// Stores a photon that stands for its cell of `cells`: with the way that its light goes in it, if it `goes`, or else
+    /// widened by that.
     fn store_at(
         &mut self,
         si: &Interaction,
         wi: Dir3,
         (flux, bounces): (Flux, u32),
         columns: &Columns<N, T>,
+        (cells, goes): (TimeCells, bool),
         kind: Kind,
     ) {
         let (mut p, frame) = (si.p, Photon::frame_of(si.ng));
         let mut form = self.spread.footprint(&columns.cell, &frame);
-        for sweep in columns.time.dx.to_array() {
-            if !self.time_cells.sweeps() {
-                form = form.plus(self.time_cells.swept(sweep, &frame));
+        // A column is the way in a cell of the tracer's.
+        let ways = columns.time.dx.to_array().map(|way| way * (self.time_cells.count() as f64 / cells.count() as f64));
+        for way in ways {
+            if !goes {
+                form = form.plus(cells.swept(way, &frame));
             }
-            p += sweep * self.time_cells.to_middle(self.time);
+            p += way * cells.to_middle(self.time);
         }
         let has_columns = matches!(self.spread, Spread::Columns { .. });
         if has_columns {
@@ -296,7 +303,10 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         if is_scattered {
             form = form.at_most(self.widest);
         }
-        let photon = self.swept(Photon::new(p, wi, si.ng, flux, form, bounces), columns, &frame);
+        let mut photon = Photon::new(p, wi, si.ng, flux, form, bounces);
+        for way in ways.into_iter().filter(|_| goes) {
+            photon = going(photon, way, &frame, &cells);
+        }
         let list = kind(&mut self.stored);
         list.push(photon);
         self.counts.photons_stored += 1;
@@ -306,18 +316,6 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             self.counts.edge_images += images.len() as u64;
             list.extend(images);
         }
-    }
-
-    /// The photon with what the swept kernel asks for; what a record has no room for is widened as ever.
-    fn swept(&self, photon: Photon, columns: &Columns<N, T>, frame: &Frame) -> Photon {
-        if T == 0 || !self.time_cells.sweeps() {
-            return photon;
-        }
-        let sweep = columns.time.dx.to_array()[0];
-        photon.over(frame.project(sweep)).unwrap_or_else(|| {
-            let form = photon.form().plus(self.time_cells.swept(sweep, frame));
-            photon.moved(photon.position(), photon.flux(), form)
-        })
     }
 
     /// What leaves `si` is to be followed, too.
@@ -415,4 +413,12 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         self.go_on(si, Branch { bounces: branch.bounces + 1, ..next });
         self.counts.bounced += 1;
     }
+}
+
+/// The photon with the way that its light goes in its cell; what a record has no room for is widened by it.
+fn going(photon: Photon, way: Vec3, frame: &Frame, cells: &TimeCells) -> Photon {
+    photon.over(frame.project(way)).unwrap_or_else(|| {
+        let form = photon.form().plus(cells.swept(way, frame));
+        photon.moved(photon.position(), photon.flux(), form)
+    })
 }

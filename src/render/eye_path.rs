@@ -334,7 +334,9 @@ impl EyePathTracer<'_> {
             let to_rest = si.to_rest(&self.world.scene);
             let (si, columns) = (to_rest.interaction(si), to_rest.columns(&walk.differential));
             let bsdf = self.world.bsdf(&si, &columns);
-            return self.query_at(walk, &si, bsdf, &columns, first, stream);
+            let mut query = self.query_at(walk, &si, bsdf, &columns, first, stream);
+            query.point.moment = Some(self.world.scene.shutter.share(walk.ray.time) - 0.5);
+            return query;
         }
         self.query_at(walk, si, bsdf, &walk.differential, first, stream)
     }
@@ -355,7 +357,7 @@ impl EyePathTracer<'_> {
             _ => Asks::Drawn { u: stream.uniform(), bounces_left },
         };
         let scattered = bsdf.is_diffuse() && self.task.finds.leaves_scattered(walk.bounces);
-        let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks };
+        let point = GatherPoint { p: si.p, ng: si.ng, ns: si.ns, wo: si.wo, bsdf, eye, asks, moment: None };
         Query { point, beta: walk.beta, first, scattered, straight: walk.walked.straight_at(bsdf.is_glossy()) }
     }
 

@@ -39,6 +39,10 @@ impl Shutter {
     pub fn time(&self, u: f64) -> f64 {
         self.open + u * self.exposure()
     }
+    /// Which share of the interval lies before `time`; a half for an instant.
+    pub fn share(&self, time: f64) -> f64 {
+        if self.is_instant() { 0.5 } else { (time - self.open) / self.exposure() }
+    }
     pub fn middle(&self) -> f64 {
         self.time(0.5)
     }
