@@ -27,29 +27,10 @@ pub fn evaluate(kernel: KernelShape, t: f64) -> f64 {
     }
 }
 
-/// The kernel of the same name over the line: k₁(t) of t = u², ∫_{−1}^{1} k₁ du = 1; 0 for t ≥ 1.
+/// The kernel of the same shape over the line: k₁(t) of t = u², ∫_{−1}^{1} k₁ du = 1; 0 for t ≥ 1.
 pub fn evaluate_line(kernel: KernelShape, t: f64) -> f64 {
-    if t >= 1.0 {
-        return 0.0;
-    }
-    let rest = 1.0 - t;
-    match kernel {
-        KernelShape::Uniform => 0.5,
-        KernelShape::Cone => 1.0 - t.sqrt(),
-        KernelShape::Epanechnikov => 0.75 * rest,
-        KernelShape::Biweight => 0.9375 * rest * rest,
-        KernelShape::Triweight => 1.09375 * rest * rest * rest,
-        KernelShape::Gaussian => {
-            let density = FRAC_1_SQRT_2PI / GAUSSIAN_WIDTH;
-            (-0.5 * t / (GAUSSIAN_WIDTH * GAUSSIAN_WIDTH)).exp() * density / WITHIN_THREE
-        }
-    }
+    evaluate(kernel, t) / (2.0 * line_integral(kernel))
 }
-
-/// 1/√(2π).
-const FRAC_1_SQRT_2PI: f64 = 0.398_942_280_401_432_7;
-/// What of a normal distribution lies within three standard deviations, erf(3/√2): the line Gaussian's mass before the cut.
-const WITHIN_THREE: f64 = 0.997_300_203_936_739_8;
 
 /// [`evaluate`] of eight numbers ≥ 0 in single precision.
 #[inline(always)]

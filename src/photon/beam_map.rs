@@ -58,10 +58,6 @@ impl BeamMap {
         BeamMap { beams, pieces, tree }
     }
 
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.beams.as_slice()) + size_of_val(self.pieces.as_slice()) + self.tree.bytes()
-    }
-
     /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and between which distances it is this piece's.
     #[inline(always)]
     pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Beam, [f64; 2])) {

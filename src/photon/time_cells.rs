@@ -69,7 +69,7 @@ impl TimeCells {
     }
     /// In cells from the opening.
     fn place(&self, time: f64) -> f64 {
-        if self.shutter.is_instant() { 0.5 } else { (time - self.shutter.open) / self.length() }
+        self.shutter.share(time) * f64::from(self.count)
     }
 }
 

@@ -26,8 +26,8 @@ pub enum Flown<T> {
 }
 
 impl World {
-    /// Leads `visit` along the ray, stretch by stretch of media and with what the ray is inside of there, to the first surface that light notices. `inside` is what
-    /// the ray is inside of, at its start and then at its end.
+    /// Leads `visit` along the ray, stretch by stretch of media and with what the ray is inside of there, to the first
+    /// surface that light notices. `inside` is what the ray is inside of, at its start and then at its end.
     pub fn fly<T>(
         &self,
         regions: &Regions,
