@@ -19,8 +19,19 @@ use crate::scene::settings::EmissionPattern;
 use crate::scene::{LightId, Shutter};
 use crate::world::World;
 
-/// The points in the sample square (u, v; θ, φ) at which one light emits in one pass; point i is a pure function of
-/// (seed, pass, light, i).
+/// When photons set out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Times {
+    /// All at once, s.
+    Instant(f64),
+    /// Any time while the shutter is open, drawn for each.
+    Drawn(Shutter),
+    /// The same by a sequence that fills every run of photons evenly, shifted by so much of the interval.
+    Even(Shutter, f64),
+}
+
+/// The points in the sample square (u, v; θ, φ) at which one light emits in one part of a pass; point i is a pure function
+/// of (seed, pass, part, light, i).
 ///
 /// The pair that decides where a photon lands leads, positions for collimated beams and directions for everything else:
 /// its aspect shapes strata and cells, and it comes first in the lattice.
@@ -34,12 +45,37 @@ pub struct EmissionPoints {
     /// Sides of a photon's cell in the order (u, v; θ, φ).
     cell: [f64; 4],
     shift: [[f64; 2]; 2],
-    shutter: Shutter,
-    /// Of the photons' times.
-    time_shift: f64,
+    times: Times,
     seed: u64,
     pass: u32,
     light: LightId,
+    part: Part,
+}
+
+/// Which of a pass's photons of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Part {
+    number: u32,
+    /// The first of its photons among all.
+    first: u64,
+    /// How much of the light it stands for.
+    size: f64,
+}
+
+impl Part {
+    const WHOLE: Part = Part { number: 0, first: 0, size: 1.0 };
+
+    /// `count` > 0 equal parts of `n` ≥ `count` photons, each with how many they are.
+    fn all(n: u64, count: u32) -> impl Iterator<Item = (Part, u64)> {
+        let first = move |number: u32| n * u64::from(number) / u64::from(count);
+        let size = 1.0 / f64::from(count);
+        (0..count).map(move |number| (Part { number, first: first(number), size }, first(number + 1) - first(number)))
+    }
+
+    /// A number that is another for each light and part.
+    fn of_light(&self, light: LightId) -> u64 {
+        u64::from(light.0) | u64::from(self.number) << 32
+    }
 }
 
 impl EmissionPoints {
@@ -48,7 +84,12 @@ impl EmissionPoints {
         let (settings, source) = (&world.scene.settings, world.lights.get(light));
         let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, light.0.into());
         let shift = [stream.uniform2(), stream.uniform2()];
-        let time_shift = stream.uniform();
+        let shutter = world.scene.shutter;
+        let times = match settings.emission {
+            _ if shutter.is_instant() => Times::Instant(shutter.open),
+            EmissionPattern::Random => Times::Drawn(shutter),
+            EmissionPattern::Jittered | EmissionPattern::Lattice => Times::Even(shutter, stream.uniform()),
+        };
         let aspect = source.emission_aspect(aim);
         let (pattern, collimated, seed) = (settings.emission, source.is_collimated(), settings.seed);
         let cell = share.sides(if collimated { [aspect, 1.0] } else { [1.0, aspect] });
@@ -59,18 +100,26 @@ impl EmissionPoints {
             lattice: Rank1Lattice::new(n, leading(collimated, cell)),
             cell,
             shift,
-            shutter: world.scene.shutter,
-            time_shift,
+            times,
             seed,
             pass,
             light,
+            part: Part::WHOLE,
         }
+    }
+
+    /// As `part` of several, all of whose photons set out at `time`, s: a pattern of its own, so that each moment's light is
+    /// as even as that of a scene which stands still.
+    fn at_once(self, part: Part, time: f64) -> Self {
+        let mut stream = Stream::new(self.seed, Purpose::Lattice, self.pass, part.of_light(self.light));
+        let shift = [stream.uniform2(), stream.uniform2()];
+        EmissionPoints { times: Times::Instant(time), shift, part, ..self }
     }
 
     /// The random numbers of photon `i`'s own path.
     pub fn stream(&self, i: u64) -> Stream {
         // The light's number sits above any photon index.
-        Stream::new(self.seed, Purpose::Photon, self.pass, i | u64::from(self.light.0) << 44)
+        Stream::new(self.seed, Purpose::Photon, self.pass, (self.part.first + i) | u64::from(self.light.0) << 44)
     }
 
     /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
@@ -93,16 +142,13 @@ impl EmissionPoints {
         leading(self.collimated, [lead[0], lead[1], other[0], other[1]])
     }
 
-    /// When photon `i` sets out, s; `stream` is the photon's own. Random points have random times; others have those of a
-    /// sequence that fills every run of photons evenly.
+    /// When photon `i` sets out, s; `stream` is the photon's own.
     pub fn time(&self, i: u64, stream: &mut Stream) -> f64 {
-        if self.shutter.is_instant() {
-            return self.shutter.open;
+        match self.times {
+            Times::Instant(time) => time,
+            Times::Drawn(shutter) => shutter.time(stream.uniform()),
+            Times::Even(shutter, shift) => shutter.time(qmc::shifted(qmc::r2(i), [shift; 2])[0]),
         }
-        self.shutter.time(match self.pattern {
-            EmissionPattern::Random => stream.uniform(),
-            EmissionPattern::Jittered | EmissionPattern::Lattice => qmc::shifted(qmc::r2(i), [self.time_shift; 2])[0],
-        })
     }
 
     /// A point of [`EmissionPoints::point`] with the pair in front that leads.
@@ -113,7 +159,7 @@ impl EmissionPoints {
     /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell. Of
     /// points that are kept with the probability `keep` each stands for 1/keep of them.
     pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
-        emission.flux = emission.flux / (keep * self.lattice.len() as f64);
+        emission.flux = emission.flux * self.part.size / (keep * self.lattice.len() as f64);
         let inscribed = FRAC_2_SQRT_PI / keep.sqrt();
         emission.jacobian = emission.jacobian.scaled_each(self.cell.map(|side| inscribed * side));
         emission
@@ -202,20 +248,56 @@ pub struct EmissionUnit {
 }
 
 impl EmissionUnit {
-    /// Cuts a pass's photons into units of about `size`.
-    pub fn all(plans: &[EmissionPlan], world: &World, aim: &Aim, pass: u32, size: u64) -> Vec<EmissionUnit> {
-        let mut units = Vec::new();
-        for plan in plans {
-            let (light, n) = (plan.light, plan.points);
-            let points = EmissionPoints::new(world, light, aim, plan.share, n, pass);
-            let step = (size as f64 * n as f64 / plan.photons()).ceil() as u64;
-            for start in (0..n).step_by(step as usize) {
-                let range = start..(start + step).min(n);
-                let (guide, eyes_part) = (plan.guide.clone(), plan.eyes_part);
-                units.push(EmissionUnit { light, eyes_part, guide, points: points.clone(), range });
-            }
+    /// Cuts a pass's photons into units of about `size`, for each of the `instants` at which they set out, s; without these
+    /// each has its own time.
+    pub fn all(
+        plans: &[EmissionPlan],
+        world: &World,
+        aim: &Aim,
+        pass: u32,
+        size: u64,
+        instants: &[f64],
+    ) -> Vec<EmissionUnit> {
+        plans
+            .iter()
+            .flat_map(|plan| Self::parts(plan, world, aim, pass, instants))
+            .flat_map(|unit| unit.cut(size))
+            .collect()
+    }
+
+    /// A plan's photons, those of an instant together.
+    fn parts(plan: &EmissionPlan, world: &World, aim: &Aim, pass: u32, instants: &[f64]) -> Vec<EmissionUnit> {
+        let EmissionPlan { light, points: n, share, ref guide, eyes_part } = *plan;
+        let unit = |points: EmissionPoints, n: u64| EmissionUnit {
+            light,
+            eyes_part,
+            guide: guide.clone(),
+            points,
+            range: 0..n,
+        };
+        if instants.is_empty() {
+            return vec![unit(EmissionPoints::new(world, light, aim, share, n, pass), n)];
         }
-        units
+        // A single photon cannot set out at several times.
+        let count = (instants.len() as u64).min(n) as u32;
+        let share = share.parted(count);
+        Part::all(n, count)
+            .map(|(part, n)| {
+                let time = instants[part.number as usize * instants.len() / count as usize];
+                unit(EmissionPoints::new(world, light, aim, share, n, pass).at_once(part, time), n)
+            })
+            .collect()
+    }
+
+    /// In units of about `size` photons.
+    fn cut(self, size: u64) -> Vec<EmissionUnit> {
+        let n = self.range.end;
+        let kept = self.guide.as_ref().map_or(1.0, |guide| guide.kept());
+        let step = ((size as f64 / kept).ceil() as u64).max(1);
+        (0..n)
+            .step_by(step as usize)
+            .map(|start| EmissionUnit { range: start..(start + step).min(n), ..self.clone() })
+            .collect()
     }
 
     /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that

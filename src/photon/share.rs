@@ -53,6 +53,15 @@ impl Share {
         Share { positions: (part / (ratio * ratio)).clamp(1.0 / n, 1.0), directions: part.clamp(1.0 / n, 1.0) }
     }
 
+    /// The cell of a photon whose pass is parted into `count` of fewer photons, which overlap in what they light: wider
+    /// than its share of all, and not as wide as one of its part, in as far as it is cut at all.
+    pub fn parted(self, count: u32) -> Share {
+        let area = f64::from(count).sqrt();
+        let Share { positions, directions } = self;
+        let wider = if positions < 1.0 && directions < 1.0 { area.sqrt() } else { area };
+        Share { positions: (positions * wider).min(1.0), directions: (directions * wider).min(1.0) }
+    }
+
     /// Sides of the cell in (u, v; θ, φ), where the square of positions stands for a rectangle `aspects[0]` × 1 and that
     /// of directions for `aspects[1]` × 1: cells are squares there, but for those that fill a side.
     pub fn sides(&self, aspects: [f64; 2]) -> [f64; 4] {
@@ -135,6 +144,18 @@ mod tests {
         assert!(close(overlap(1000), filling(1000)) && filling(1000) < FULL_OVERLAP);
         assert!(close(overlap(20_000), FULL_OVERLAP));
         assert!(close(overlap(4_000_000), FILL * filling(4_000_000)) && FILL * filling(4_000_000) > FULL_OVERLAP);
+    }
+
+    /// Between one of all and one of its part; a pair that is not cut stays whole.
+    #[test]
+    fn cells_of_parts_have_the_mean_of_both_areas() {
+        let area = |share: Share| share.positions * share.directions;
+        for share in [Share::leading(1600, false), Share::leading(1600, true), Share::equal_parts(20_000, 0.3)] {
+            let parted = share.parted(4);
+            assert!((area(parted) / area(share) - 2.0).abs() < 1e-12, "{parted:?}");
+            assert!(share.positions < 1.0 || parted.positions == 1.0, "{parted:?}");
+            assert_eq!(share.parted(1), share);
+        }
     }
 
     #[test]

@@ -101,7 +101,7 @@ fn bounced(world: &World, photons: f64, makes_beams: bool) -> Population {
 
 /// Which part of a population's photons is of use.
 fn useful_part(world: &World, population: &Population) -> f64 {
-    let units = EmissionUnit::all(&population.plans, world, &population.aim, 0, PHOTONS_PER_PILOT_UNIT);
+    let units = EmissionUnit::all(&population.plans, world, &population.aim, 0, PHOTONS_PER_PILOT_UNIT, &[]);
     let mut tracer = PhotonTracer::<0, 0>::new(world, limits(world), UNIT_SPREAD).of(population);
     let (mut emitted, mut useful) = (0, 0);
     for unit in units.iter().step_by(units.len().div_ceil(PILOT_UNITS).max(1)) {

@@ -50,7 +50,7 @@ impl<'a> Kind<'a> {
             let source = world.lights.get(light);
             if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
         });
-        let units = EmissionUnit::all(&plans, world, aim, pass, PATHS_PER_UNIT);
+        let units = EmissionUnit::all(&plans, world, aim, pass, PATHS_PER_UNIT, &[]);
         Kind { exposure, aim, first_event, units }
     }
 

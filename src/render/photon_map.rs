@@ -15,11 +15,13 @@ use crate::photon::{
     Beam, EmissionUnit, FirstEvent, Kinds, Photon, PhotonCounts, PhotonHarvest, PhotonMap, PhotonTracer, Population,
     TimeCells,
 };
-use crate::scene::settings::{Estimator, TimeResolution};
+use crate::sampling::qmc;
+use crate::scene::settings::{EmissionPattern, Estimator, TimeResolution};
 use crate::world::World;
 
-/// Time cells of the first pass, unless settings say how many: between the bend of sweeps and the noise of times.
-const TIME_CELLS: u32 = 4;
+/// Time cells of the first pass, unless settings say how many: between the bend of sweeps and too few photons for each
+/// instant.
+const TIME_CELLS: u32 = 8;
 
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
@@ -95,9 +97,10 @@ pub(super) struct Unit<'a> {
 }
 
 pub(super) fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
+    let instants = instants(world, pass);
     let of = |population: &'a Population| {
         let Population { plans, aim, .. } = population;
-        let all = EmissionUnit::all(plans, world, aim, pass, PHOTONS_PER_UNIT);
+        let all = EmissionUnit::all(plans, world, aim, pass, PHOTONS_PER_UNIT, &instants);
         all.into_iter().map(move |emission| Unit { population, emission })
     };
     plans.as_ref().into_array().into_iter().flat_map(of).collect()
@@ -164,6 +167,19 @@ pub fn time_cells(world: &World, pass: u32) -> TimeCells {
     };
     let count = f64::from(first) / bandwidth::narrowing(settings.emission, pass);
     TimeCells::new(shutter, count.floor() as u32, kernel::variance(settings.kernel)).with(settings.time_kernel)
+}
+
+/// The instants, s, at which photons of pass `pass` set out whose time columns say the rest: the middles of the time cells,
+/// and places beside them in later passes, so that what the columns leave out differs from pass to pass. None for photons
+/// that have no columns, or are drawn.
+fn instants(world: &World, pass: u32) -> Vec<f64> {
+    let (settings, shutter) = (&world.scene.settings, world.scene.shutter);
+    let has_columns = settings.estimator == Estimator::Differentials && settings.emission != EmissionPattern::Random;
+    if shutter.is_instant() || !has_columns {
+        return Vec::new();
+    }
+    let (count, place) = (time_cells(world, pass).count(), qmc::van_der_corput(pass.saturating_add(1)));
+    (0..count).map(|cell| shutter.time((cell as f64 + place) / count as f64)).collect()
 }
 
 /// How wide the photons of pass `pass` spread their light; the k nearest ones are found without that.

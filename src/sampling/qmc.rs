@@ -16,6 +16,11 @@ pub fn r2(i: u64) -> [f64; 2] {
     PLASTIC.map(|a| multiple(i, a))
 }
 
+/// Number `i` ≥ 1 of van der Corput's sequence in [0, 1): ½, ¼, ¾, ⅛, …; every run of them fills the interval evenly.
+pub fn van_der_corput(i: u32) -> f64 {
+    f64::from(i.reverse_bits()) / 2f64.powi(32)
+}
+
 /// Cranley–Patterson rotation: `x` moved by `shift` on the torus `[CranleyPatterson76]`.
 pub fn shifted(x: [f64; 2], shift: [f64; 2]) -> [f64; 2] {
     std::array::from_fn(|k| {

@@ -168,7 +168,7 @@ pub enum Bandwidth {
 /// Into how many equal parts of the shutter's interval photons share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeResolution {
-    /// Four in the first pass.
+    /// Eight in the first pass.
     Auto,
     /// 1: all blur comes from the photons' time columns.
     Cells(u32),
