@@ -9,22 +9,24 @@
 
 use super::kernel;
 use crate::math::{Dir3, Point3, Vec3};
-use crate::medium::HenyeyGreenstein;
+use crate::medium::{HenyeyGreenstein, Profile};
 use crate::photon::Beam;
-use crate::photon::beam_map::BeamMap;
+use crate::photon::beam_map::{BeamMap, Piece};
 use crate::photon::index::SlabRay;
 use crate::radiometry::{Radiance, Spectrum};
 use crate::scene::settings::KernelShape;
 use crate::scene::{Medium, MediumId};
 
 /// A piece of an eye's ray that lies in one medium.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct EyeSegment<'a> {
     pub origin: Point3,
     pub w: Dir3,
     pub length: f64,
     pub id: MediumId,
     pub medium: &'a Medium,
+    /// How much of the medium lies before each of its places.
+    pub profile: Profile<'a>,
     /// Semi-axes of the eye sample's footprint at the origin, m, and what they gain along the ray, rad.
     pub eye: [(Vec3, Vec3); 2],
     /// How often a beam may have been scattered.
@@ -50,7 +52,7 @@ pub fn radiance(map: &BeamMap, kernel: KernelShape, segment: &EyeSegment) -> Rad
 /// What one piece of a beam adds.
 fn crossing(
     beam: &Beam,
-    [from, to]: [f64; 2],
+    piece: &Piece,
     kernel: KernelShape,
     phase: &HenyeyGreenstein,
     segment: &EyeSegment,
@@ -66,7 +68,7 @@ fn crossing(
     let (along_eye, along_beam) = (apart.dot(segment.w.to_vec()), apart.dot(beam.w.to_vec()));
     let s_b = (cos * along_eye - along_beam) / (sine * sine);
     let s_e = along_eye + cos * s_b;
-    if !(from <= s_b && s_b < to && 0.0 <= s_e && s_e < segment.length) {
+    if !(piece.from <= s_b && s_b < piece.to && 0.0 <= s_e && s_e < segment.length) {
         return Spectrum::BLACK;
     }
     let own = beam.width.at(s_b).along(beam.frame().project(m));
@@ -80,5 +82,10 @@ fn crossing(
     }
     let weight = kernel::evaluate_line(kernel, t) / (squared.sqrt() * sine) * phase.between(beam.w, -segment.w);
     let medium = segment.medium;
+    if let Some(grid) = &medium.density {
+        let (density, before) = segment.profile.at(s_e);
+        let column = piece.column + grid.column(beam.origin, beam.w, [piece.from, s_b]) + before;
+        return beam.flux.0 * medium.transmittance(column) * medium.scattering * (density * weight);
+    }
     beam.flux.0 * medium.transmittance(s_b + s_e) * medium.scattering * weight
 }

@@ -6,6 +6,7 @@
 //! in it, clear glass, keeps the atmosphere out.
 
 use super::inside::Inside;
+use super::way::Way;
 use crate::math::{Bounds3, Dir3, Point3};
 use crate::scene::medium::Interior;
 use crate::scene::{Medium, MediumId, ObjectId, Scene};
@@ -71,6 +72,16 @@ impl Regions {
 
     pub fn get(&self, id: MediumId) -> &Medium {
         &self.media[id.index()]
+    }
+
+    /// All media, by their ids.
+    pub fn media(&self) -> &[Medium] {
+        &self.media
+    }
+
+    /// A stretch of a ray with what is in it.
+    pub fn way(&self, stretch: &Stretch, origin: Point3, w: Dir3) -> Way<'_> {
+        Way { medium: self.get(stretch.medium), origin, w, from: stretch.from, to: stretch.to }
     }
 
     /// Whether some medium scatters.

@@ -26,10 +26,7 @@ impl BeamLight {
     /// Those of the pass under way; `None` where no medium scatters, or nothing focuses light into one.
     pub fn shoot(job: &Job, state: &RenderState) -> Result<Option<BeamLight>, Stopped> {
         let (world, pass) = (job.world, state.film.pass());
-        let scatters = world.regions.as_ref().is_some_and(|regions| regions.scatter());
-        if !scatters {
-            return Ok(None);
-        }
+        let Some(regions) = world.regions.as_ref().filter(|regions| regions.scatter()) else { return Ok(None) };
         let plans = job.beam_plans.get_or_init(|| emission::beam_plan(world, job.plans()));
         let units = photon_map::units(world, plans, pass);
         let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
@@ -41,7 +38,10 @@ impl BeamLight {
             job.watch.look(state);
         })?;
         job.watch.finish();
-        Ok(Some(BeamLight { maps: all.map(BeamMap::new), kernel: world.scene.settings.kernel }))
+        Ok(Some(BeamLight {
+            maps: all.map(|beams| BeamMap::new(beams, regions.media())),
+            kernel: world.scene.settings.kernel,
+        }))
     }
 
     /// What the beams of each kind bring to the start of a segment; those that were scattered last only where they are asked

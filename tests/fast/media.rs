@@ -3,7 +3,7 @@
 use pdembree::estimate::beams::{EyeSegment, radiance};
 use pdembree::import::load_text;
 use pdembree::math::{Dir3, Point3, Ray, Vec3};
-use pdembree::medium::Inside;
+use pdembree::medium::{Inside, Profile};
 use pdembree::photon::beam_map::BeamMap;
 use pdembree::photon::{Beam, BeamWidth};
 use pdembree::radiometry::{Flux, Spectrum};
@@ -153,7 +153,8 @@ fn nothing_leaks_through_a_wall_of_a_millimetre() {
     }
 }
 
-const FOG: Medium = Medium { absorption: Spectrum::splat(0.3), scattering: Spectrum::splat(0.5), asymmetry: 0.0 };
+const FOG: Medium =
+    Medium { absorption: Spectrum::splat(0.3), scattering: Spectrum::splat(0.5), asymmetry: 0.0, density: None };
 
 /// An even sheet of `n` beams in a lattice, 2.2 m × 1 m across `w` about the line that `towards` leaves along, of unit
 /// irradiance.
@@ -167,13 +168,14 @@ fn sheet(n: u64, w: Dir3, towards: Vec3, width: BeamWidth) -> BeamMap {
         let flux = Flux(Spectrum::splat(2.2 / n as f64));
         Beam { origin, w, length: 10.0, flux, medium: MediumId(0), bounces: 0, width }
     };
-    BeamMap::new((0..n).map(beam).collect())
+    BeamMap::new((0..n).map(beam).collect(), &[FOG])
 }
 
 fn seen(map: &BeamMap, kernel: KernelShape, origin: Point3) -> f64 {
     let w = Dir3::new(Vec3::Y).expect("a direction");
     let eye = [(Vec3::ZERO, Vec3::ZERO); 2];
-    let segment = EyeSegment { origin, w, length: 2.0, id: MediumId(0), medium: &FOG, eye, bounces: 0 };
+    let segment =
+        EyeSegment { origin, w, length: 2.0, id: MediumId(0), medium: &FOG, profile: Profile::Even, eye, bounces: 0 };
     radiance(map, kernel, &segment).0.g()
 }
 

@@ -11,7 +11,7 @@ use super::{EyePathTracer, Walk, survives_roulette};
 use crate::estimate::beams::EyeSegment;
 use crate::film::{EyeSample, LightKind, Part};
 use crate::math::Ray;
-use crate::medium::{HenyeyGreenstein, Regions};
+use crate::medium::{HenyeyGreenstein, Regions, Way};
 use crate::radiometry::measure::power_heuristic;
 use crate::render::partition::EyeFinds;
 use crate::sampling::Stream;
@@ -38,9 +38,9 @@ impl EyePathTracer<'_> {
         let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
         let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
         self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
-            let medium = regions.get(stretch.medium);
+            let (medium, way) = (regions.get(stretch.medium), regions.way(stretch, ray.origin, w));
             if !may_scatter || !medium.scatters() {
-                *beta *= medium.transmittance(stretch.length());
+                *beta *= way.transmittance();
                 return ControlFlow::Continue(());
             }
             if let Some(beams) = asked
@@ -53,6 +53,7 @@ impl EyePathTracer<'_> {
                     length: stretch.length(),
                     id: stretch.medium,
                     medium,
+                    profile: Way { origin: ray.at(from), from: 0.0, to: stretch.length(), ..way }.profile(),
                     eye: eye.map(|(dx, dw)| (dx + dw * from, dw)),
                     bounces,
                 };
@@ -60,14 +61,11 @@ impl EyePathTracer<'_> {
                     sample.add(kind, *beta * light * (1.0 / asking))
                 });
             }
-            let (event, weight) = medium.draw(*beta, stretch.length(), stream.uniform2());
+            let (event, weight) = way.draw(*beta, stream.uniform2());
             *beta *= weight;
             match event {
                 None => ControlFlow::Continue(()),
-                Some(distance) => {
-                    let t = stretch.from + distance;
-                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
-                }
+                Some(t) => ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium }),
             }
         })
     }
