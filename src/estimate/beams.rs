@@ -1,4 +1,4 @@
-//! What photon beams say along a piece of an eye's ray · W/(m²·sr) · PHOTON_DIFFERENTIALS 8 `[Jarosz11]`.
+//! What photon beams say along a piece of an eye's ray, and at a place in a medium · W/(m²·sr) · PHOTON_DIFFERENTIALS 8 `[Jarosz11]`.
 //!
 //! The blur is one-dimensional, along the common perpendicular m of beam and ray, of which the beam's own form Q at the
 //! nearest point says how wide it is:
@@ -12,6 +12,7 @@ use crate::math::{Dir3, Point3, Vec3};
 use crate::medium::{HenyeyGreenstein, Profile};
 use crate::photon::Beam;
 use crate::photon::beam_map::{BeamMap, Piece};
+use crate::photon::footprint::TangentForm;
 use crate::photon::index::SlabRay;
 use crate::radiometry::{Radiance, Spectrum};
 use crate::scene::settings::KernelShape;
@@ -38,15 +39,82 @@ const LEAST_SINE: f64 = 1e-6;
 
 /// Light that beams bring to the start of the segment.
 pub fn radiance(map: &BeamMap, kernel: KernelShape, segment: &EyeSegment) -> Radiance {
-    let phase = HenyeyGreenstein::new(segment.medium.asymmetry);
     let ray = SlabRay::new(segment.origin, segment.w, segment.length);
+    Radiance(pulp::Arch::new().dispatch(Crossed { map, kernel, segment, ray: &ray }))
+}
+
+/// [`radiance`] as the processor at hand does it best.
+struct Crossed<'a> {
+    map: &'a BeamMap,
+    kernel: KernelShape,
+    segment: &'a EyeSegment<'a>,
+    ray: &'a SlabRay,
+}
+
+impl pulp::NullaryFnOnce for Crossed<'_> {
+    type Output = Spectrum;
+
+    #[inline(always)]
+    fn call(self) -> Spectrum {
+        let Crossed { map, kernel, segment, ray } = self;
+        let phase = HenyeyGreenstein::new(segment.medium.asymmetry);
+        let mut sum = Spectrum::BLACK;
+        map.along(ray, |beam, piece| {
+            if beam.medium == segment.id && beam.bounces <= segment.bounces {
+                sum += crossing(beam, piece, kernel, &phase, segment);
+            }
+        });
+        sum
+    }
+}
+
+/// A place in a medium at which light is scattered towards the eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    pub p: Point3,
+    /// The way of the eye's ray.
+    pub w: Dir3,
+    pub id: MediumId,
+    pub medium: &'a Medium,
+    /// Semi-axes of the eye sample's footprint, m.
+    pub eye: [Vec3; 2],
+    /// How often light may have been scattered.
+    pub bounces: u32,
+}
+
+/// Light that beams bring to a place, as far as it would be scattered towards the eye there:
+/// L_in = Σ Φ T(s) p(cos) K₂(dᵀ Q⁻¹ d)/√det Q, d at right angles to the beam and Q = Q(s) + Q_eye across it.
+pub fn radiance_at(map: &BeamMap, kernel: KernelShape, place: &Place) -> Radiance {
+    let phase = HenyeyGreenstein::new(place.medium.asymmetry);
     let mut sum = Spectrum::BLACK;
-    map.along(&ray, |beam, piece| {
-        if beam.medium == segment.id && beam.bounces <= segment.bounces {
-            sum += crossing(beam, piece, kernel, &phase, segment);
+    map.over(place.p, |beam, piece| {
+        if beam.medium == place.id && beam.bounces <= place.bounces {
+            sum += over(beam, piece, kernel, &phase, place);
         }
     });
     Radiance(sum)
+}
+
+/// What one piece of a beam adds at a place.
+fn over(beam: &Beam, piece: &Piece, kernel: KernelShape, phase: &HenyeyGreenstein, place: &Place) -> Spectrum {
+    let (apart, frame) = (place.p - beam.origin, beam.frame());
+    let s = apart.dot(beam.w.to_vec());
+    if !(piece.from <= s && s < piece.to) {
+        return Spectrum::BLACK;
+    }
+    let form = beam.width.at(s).plus(TangentForm::from_axes(&frame, place.eye));
+    let determinant = form.determinant();
+    let t = form.adjugate_form(frame.project(apart)) / determinant;
+    // Also where there is no width at all.
+    if t.is_nan() || t >= 1.0 {
+        return Spectrum::BLACK;
+    }
+    let column = match &place.medium.density {
+        None => s,
+        Some(grid) => piece.column + grid.column(beam.origin, beam.w, [piece.from, s]),
+    };
+    let weight = kernel::evaluate(kernel, t) / determinant.sqrt() * phase.between(beam.w, -place.w);
+    beam.flux.0 * place.medium.transmittance(column) * weight
 }
 
 /// What one piece of a beam adds.

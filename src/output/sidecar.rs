@@ -154,7 +154,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         TimeResolution::Auto => "auto".into(),
         TimeResolution::Cells(count) => count.into(),
     };
-    let all: [(&str, serde_json::Value); 23] = [
+    let all: [(&str, serde_json::Value); 25] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -162,6 +162,8 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("spp", settings.spp.into()),
         ("photons", settings.photons.into()),
         ("beams", settings.beams.into()),
+        ("media_estimator", settings.media_estimator.name().into()),
+        ("beam_points", settings.beam_points.into()),
         ("emission", settings.emission.name().into()),
         ("estimator", settings.estimator.name().into()),
         ("guiding", settings.guiding.name().into()),

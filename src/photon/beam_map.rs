@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use super::beam::Beam;
 use super::index::{BoxTree, Boxes, Lanes, OuterBox, SlabRay, Visitor};
 use super::order::ZCurve;
-use crate::math::Bounds3;
+use crate::math::{Bounds3, Point3, Vec3};
 use crate::medium::Way;
 use crate::scene::Medium;
 
@@ -64,6 +64,15 @@ impl BeamMap {
         };
         let tree = BoxTree::build(pieces.len(), boxed);
         BeamMap { beams, pieces, tree }
+    }
+
+    /// Leads `visit` to the pieces whose boxes hold the place.
+    pub fn over(&self, p: Point3, mut visit: impl FnMut(&Beam, &Piece)) {
+        let place = BoxTree::build(1, |_| OuterBox::new(p, Vec3::ZERO));
+        for i in self.tree.over(&place) {
+            let piece = &self.pieces[i];
+            visit(&self.beams[piece.beam as usize], piece);
+        }
     }
 
     /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and which part of it is this piece's.

@@ -37,6 +37,20 @@ fn photons_and_eye_paths_share_the_light_of_a_ball_in_fog_out() {
     }
 }
 
+/// What the ball focuses into the fog, by points on beams and from places on the eye's paths: as light paths find it.
+#[test]
+fn every_estimate_of_photons_in_media_agrees_with_light_paths() {
+    let light = pictures(&ball_in_fog(1), &LIGHT);
+    for estimator in ["ray_points", "place_beams", "place_points"] {
+        let fog = ball_in_fog(2000).replace("beams =", &format!("media_estimator = \"{estimator}\"\nbeams ="));
+        let both = [pictures(&fog, &PHOTON_MAP), light.clone()];
+        for layer in ["focused", "sent_back"] {
+            println!("{estimator}, {layer} {}", means(&both, layer));
+            assert!(assert_blocks_agree(&both, layer, BLOCK) > 0.0, "{estimator}, {layer}");
+        }
+    }
+}
+
 /// With photons for all light between vertices that scatter, and beams for it in the fog.
 #[test]
 fn global_photons_and_eye_paths_agree_in_fog() {
