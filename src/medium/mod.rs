@@ -4,11 +4,13 @@
 pub mod column;
 pub mod homogeneous;
 mod inside;
+mod lost;
 mod phase;
 mod regions;
 mod way;
 
 pub use inside::Inside;
+pub use lost::LostCount;
 pub use phase::HenyeyGreenstein;
 pub use regions::{Regions, Stretch};
 pub use way::{Profile, Way};

@@ -123,6 +123,9 @@ pub struct BirthCertificate {
     pub lights: Vec<BTreeMap<String, u64>>,
     /// What became of the photons that may bounce, which bring light that was scattered before.
     pub bounced_photons: BTreeMap<String, u64>,
+    /// The same of those whose ways through media become beams, each of which counts as stored; empty where there are none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub beam_photons: BTreeMap<String, u64>,
     pub refused_samples: RefusedSamples,
     /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
     pub pixels: String,

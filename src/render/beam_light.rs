@@ -14,7 +14,7 @@ use crate::estimate::collisions;
 use crate::film::{Arrival, LightKind};
 use crate::photon::beam_map::BeamMap;
 use crate::photon::collision_map::CollisionMap;
-use crate::photon::{Beam, Kinds};
+use crate::photon::{Beam, Kinds, PhotonCounts};
 use crate::radiometry::{Radiance, Spectrum};
 use crate::sampling::{Purpose, Stream};
 use crate::scene::Medium;
@@ -26,6 +26,8 @@ pub struct BeamLight {
     maps: Kinds<Option<MediaMap>>,
     kernel: KernelShape,
     estimator: MediaEstimator,
+    /// What became of their photons; a beam counts as stored.
+    pub counts: PhotonCounts,
 }
 
 /// What is asked of one kind.
@@ -44,8 +46,10 @@ impl BeamLight {
         let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
         job.watch.phase("beams", units.len() as u64);
         let mut all = Kinds::<()>::default().map(|()| Vec::new());
+        let mut counts = PhotonCounts::default();
         let trace = |i: usize| photon_map::trace_unit(world, &units[i], spread, cells);
-        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, .. }| {
+        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, counts: unit, .. }| {
+            counts.merge(&unit);
             all.append(beams.unwrap_or_default());
             job.watch.look(state);
         })?;
@@ -56,7 +60,7 @@ impl BeamLight {
             (!beams.is_empty()).then(|| MediaMap::new(world, pass, beams, regions.media(), kind))
         });
         let settings = &world.scene.settings;
-        Ok(Some(BeamLight { maps, kernel: settings.kernel, estimator: settings.media_estimator }))
+        Ok(Some(BeamLight { maps, kernel: settings.kernel, estimator: settings.media_estimator, counts }))
     }
 
     /// Whether rays ask, [`BeamLight::along`], and not places, [`BeamLight::at`].

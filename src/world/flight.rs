@@ -57,6 +57,7 @@ impl World {
             flown = (origin - ray.origin).dot(ray.direction);
             leg = Ray { origin, t_max: ray.t_max - flown, ..leg };
         }
+        regions.note_caught();
         Flown::Escaped
     }
 

@@ -42,7 +42,8 @@ fn photons_and_eye_paths_share_the_light_of_a_ball_in_fog_out() {
 fn every_estimate_of_photons_in_media_agrees_with_light_paths() {
     let light = pictures(&ball_in_fog(1), &LIGHT);
     for estimator in ["ray_points", "place_beams", "place_points"] {
-        let fog = ball_in_fog(2000).replace("beams =", &format!("media_estimator = \"{estimator}\"\nbeams ="));
+        let chosen = format!("media_estimator = \"{estimator}\"\nbeam_points = 8\nbeams =");
+        let fog = ball_in_fog(500).replace("beams =", &chosen);
         let both = [pictures(&fog, &PHOTON_MAP), light.clone()];
         for layer in ["focused", "sent_back"] {
             println!("{estimator}, {layer} {}", means(&both, layer));

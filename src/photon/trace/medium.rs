@@ -98,6 +98,7 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
         };
         if let Some(beams) = &mut self.beams {
             kind(beams).push(beam);
+            self.counts.photons_stored += 1;
         }
     }
 
