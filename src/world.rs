@@ -8,7 +8,7 @@ use crate::backend::{self, Backend, BackendError};
 use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
 use crate::math::{Bounds3, Dir3, Ray};
-use crate::medium::Regions;
+use crate::medium::{LostCount, Regions};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::scene::{Object, Scene, Textured};
@@ -82,6 +82,11 @@ impl World {
     /// Hits so far whose place is the backend's own, in its precision ([`Interaction::exact`]).
     pub fn inexact_hits(&self) -> u64 {
         self.inexact.load(Ordering::Relaxed)
+    }
+
+    /// What rays through media lost count of so far.
+    pub fn lost_count(&self) -> LostCount {
+        self.regions.as_ref().map_or(LostCount::default(), Regions::lost_count)
     }
 
     /// The BSDF with textures filtered over the footprint of a camera ray's columns, transferred to the surface.

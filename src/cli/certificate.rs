@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 
 use pdembree::film::Image;
+use pdembree::medium::LostCount;
 use pdembree::output::sidecar::{Phase, RefusedSamples, SCHEMA};
 use pdembree::output::{BirthCertificate, PartInfo};
+use pdembree::photon::PhotonCounts;
 use pdembree::render::RenderState;
 use serde::Serialize;
 
@@ -28,6 +30,9 @@ pub fn certificate(
     let mut counters = counts(&report.photons);
     counters.insert("invalid_rays".to_owned(), report.invalid_rays);
     counters.insert("inexact_hits".to_owned(), report.inexact_hits);
+    if report.lost_count != LostCount::default() {
+        counters.extend(counts(&report.lost_count));
+    }
     let mut settings = info.identity.settings.clone();
     settings.insert("passes".to_owned(), film.passes().into());
     BirthCertificate {
@@ -46,6 +51,11 @@ pub fn certificate(
         counters,
         lights: report.photons_by_light.iter().map(counts).collect(),
         bounced_photons: counts(&report.bounced_photons),
+        beam_photons: if report.beam_photons == PhotonCounts::default() {
+            BTreeMap::new()
+        } else {
+            counts(&report.beam_photons)
+        },
         refused_samples: RefusedSamples::from(film.refused()),
         pixels: picture.digest(),
         warnings: circumstances.warnings,

@@ -1,4 +1,4 @@
-//! What photon beams say along a piece of an eye's ray · W/(m²·sr) · PHOTON_DIFFERENTIALS 8 `[Jarosz11]`.
+//! What photon beams say along a piece of an eye's ray, and at a place in a medium · W/(m²·sr) · PHOTON_DIFFERENTIALS 8 `[Jarosz11]`.
 //!
 //! The blur is one-dimensional, along the common perpendicular m of beam and ray, of which the beam's own form Q at the
 //! nearest point says how wide it is:
@@ -9,22 +9,25 @@
 
 use super::kernel;
 use crate::math::{Dir3, Point3, Vec3};
-use crate::medium::HenyeyGreenstein;
+use crate::medium::{HenyeyGreenstein, Profile};
 use crate::photon::Beam;
-use crate::photon::beam_map::BeamMap;
+use crate::photon::beam_map::{BeamMap, Piece};
+use crate::photon::footprint::TangentForm;
 use crate::photon::index::SlabRay;
 use crate::radiometry::{Radiance, Spectrum};
 use crate::scene::settings::KernelShape;
 use crate::scene::{Medium, MediumId};
 
 /// A piece of an eye's ray that lies in one medium.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct EyeSegment<'a> {
     pub origin: Point3,
     pub w: Dir3,
     pub length: f64,
     pub id: MediumId,
     pub medium: &'a Medium,
+    /// How much of the medium lies before each of its places.
+    pub profile: Profile<'a>,
     /// Semi-axes of the eye sample's footprint at the origin, m, and what they gain along the ray, rad.
     pub eye: [(Vec3, Vec3); 2],
     /// How often a beam may have been scattered.
@@ -36,21 +39,88 @@ const LEAST_SINE: f64 = 1e-6;
 
 /// Light that beams bring to the start of the segment.
 pub fn radiance(map: &BeamMap, kernel: KernelShape, segment: &EyeSegment) -> Radiance {
-    let phase = HenyeyGreenstein::new(segment.medium.asymmetry);
     let ray = SlabRay::new(segment.origin, segment.w, segment.length);
+    Radiance(pulp::Arch::new().dispatch(Crossed { map, kernel, segment, ray: &ray }))
+}
+
+/// [`radiance`] as the processor at hand does it best.
+struct Crossed<'a> {
+    map: &'a BeamMap,
+    kernel: KernelShape,
+    segment: &'a EyeSegment<'a>,
+    ray: &'a SlabRay,
+}
+
+impl pulp::NullaryFnOnce for Crossed<'_> {
+    type Output = Spectrum;
+
+    #[inline(always)]
+    fn call(self) -> Spectrum {
+        let Crossed { map, kernel, segment, ray } = self;
+        let phase = HenyeyGreenstein::new(segment.medium.asymmetry);
+        let mut sum = Spectrum::BLACK;
+        map.along(ray, |beam, piece| {
+            if beam.medium == segment.id && beam.bounces <= segment.bounces {
+                sum += crossing(beam, piece, kernel, &phase, segment);
+            }
+        });
+        sum
+    }
+}
+
+/// A place in a medium at which light is scattered towards the eye.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    pub p: Point3,
+    /// The way of the eye's ray.
+    pub w: Dir3,
+    pub id: MediumId,
+    pub medium: &'a Medium,
+    /// Semi-axes of the eye sample's footprint, m.
+    pub eye: [Vec3; 2],
+    /// How often light may have been scattered.
+    pub bounces: u32,
+}
+
+/// Light that beams bring to a place, as far as it would be scattered towards the eye there:
+/// L_in = Σ Φ T(s) p(cos) K₂(dᵀ Q⁻¹ d)/√det Q, d at right angles to the beam and Q = Q(s) + Q_eye across it.
+pub fn radiance_at(map: &BeamMap, kernel: KernelShape, place: &Place) -> Radiance {
+    let phase = HenyeyGreenstein::new(place.medium.asymmetry);
     let mut sum = Spectrum::BLACK;
-    map.along(&ray, |beam, piece| {
-        if beam.medium == segment.id && beam.bounces <= segment.bounces {
-            sum += crossing(beam, piece, kernel, &phase, segment);
+    map.over(place.p, |beam, piece| {
+        if beam.medium == place.id && beam.bounces <= place.bounces {
+            sum += over(beam, piece, kernel, &phase, place);
         }
     });
     Radiance(sum)
 }
 
+/// What one piece of a beam adds at a place.
+fn over(beam: &Beam, piece: &Piece, kernel: KernelShape, phase: &HenyeyGreenstein, place: &Place) -> Spectrum {
+    let (apart, frame) = (place.p - beam.origin, beam.frame());
+    let s = apart.dot(beam.w.to_vec());
+    if !(piece.from <= s && s < piece.to) {
+        return Spectrum::BLACK;
+    }
+    let form = beam.width.at(s).plus(TangentForm::from_axes(&frame, place.eye));
+    let determinant = form.determinant();
+    let t = form.adjugate_form(frame.project(apart)) / determinant;
+    // Also where there is no width at all.
+    if t.is_nan() || t >= 1.0 {
+        return Spectrum::BLACK;
+    }
+    let column = match &place.medium.density {
+        None => s,
+        Some(grid) => piece.column + grid.column(beam.origin, beam.w, [piece.from, s]),
+    };
+    let weight = kernel::evaluate(kernel, t) / determinant.sqrt() * phase.between(beam.w, -place.w);
+    beam.flux.0 * place.medium.transmittance(column) * weight
+}
+
 /// What one piece of a beam adds.
 fn crossing(
     beam: &Beam,
-    [from, to]: [f64; 2],
+    piece: &Piece,
     kernel: KernelShape,
     phase: &HenyeyGreenstein,
     segment: &EyeSegment,
@@ -66,7 +136,7 @@ fn crossing(
     let (along_eye, along_beam) = (apart.dot(segment.w.to_vec()), apart.dot(beam.w.to_vec()));
     let s_b = (cos * along_eye - along_beam) / (sine * sine);
     let s_e = along_eye + cos * s_b;
-    if !(from <= s_b && s_b < to && 0.0 <= s_e && s_e < segment.length) {
+    if !(piece.from <= s_b && s_b < piece.to && 0.0 <= s_e && s_e < segment.length) {
         return Spectrum::BLACK;
     }
     let own = beam.width.at(s_b).along(beam.frame().project(m));
@@ -80,5 +150,10 @@ fn crossing(
     }
     let weight = kernel::evaluate_line(kernel, t) / (squared.sqrt() * sine) * phase.between(beam.w, -segment.w);
     let medium = segment.medium;
+    if let Some(grid) = &medium.density {
+        let (density, before) = segment.profile.at(s_e);
+        let column = piece.column + grid.column(beam.origin, beam.w, [piece.from, s_b]) + before;
+        return beam.flux.0 * medium.transmittance(column) * medium.scattering * (density * weight);
+    }
     beam.flux.0 * medium.transmittance(s_b + s_e) * medium.scattering * weight
 }

@@ -32,6 +32,11 @@ pub fn evaluate_line(kernel: KernelShape, t: f64) -> f64 {
     evaluate(kernel, t) / (2.0 * line_integral(kernel))
 }
 
+/// The kernel of the same shape over the ball: K₃(t) of t = r², ∫_{|y|<1} K₃(|y|²) d³y = 1; 0 for t ≥ 1.
+pub fn evaluate_ball(kernel: KernelShape, t: f64) -> f64 {
+    evaluate(kernel, t) / ball_integral(kernel)
+}
+
 /// [`evaluate`] of eight numbers ≥ 0 in single precision.
 #[inline(always)]
 pub fn evaluate_eight(kernel: KernelShape, t: &[f32; 8]) -> [f32; 8] {
@@ -82,6 +87,25 @@ pub fn line_integral(kernel: KernelShape) -> f64 {
     }
 }
 
+/// ∫₀¹ K(r²) 4π r² dr.
+fn ball_integral(kernel: KernelShape) -> f64 {
+    match kernel {
+        KernelShape::Uniform => 4.0 / 3.0,
+        KernelShape::Cone => 1.0,
+        KernelShape::Epanechnikov => 16.0 / 15.0,
+        KernelShape::Biweight => 32.0 / 35.0,
+        KernelShape::Triweight => 256.0 / 315.0,
+        KernelShape::Gaussian => {
+            // 2/m (I − e^{−1/2σ²}), I = ∫₀¹ e^{−r²/2σ²} dr, which is 2π σ² m times the line's integral.
+            let variance = GAUSSIAN_WIDTH * GAUSSIAN_WIDTH;
+            let edge = (-0.5 / variance).exp();
+            let mass = 1.0 - edge;
+            let line = line_integral(kernel) * 2.0 * PI * variance * mass;
+            2.0 / mass * (line - edge)
+        }
+    }
+}
+
 /// Whether the kernel vanishes at the edge of its support; a k-nearest estimate with one that does not must leave out
 /// the k-th photon itself.
 pub fn vanishes_at_edge(kernel: KernelShape) -> bool {
@@ -127,6 +151,16 @@ mod tests {
             let sum: f64 = (0..n).map(|i| evaluate_line(kernel, u(i) * u(i)) * 2.0 / f64::from(n)).sum();
             assert!((sum - 1.0).abs() < 1e-9, "{}: {sum}", kernel.name());
             assert_eq!(evaluate_line(kernel, 1.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn every_ball_kernel_integrates_to_one() {
+        for kernel in ALL {
+            // 4π r² dr is 2 r times 2π r dr.
+            let sum = radial_integral(kernel, |r| 2.0 * r) / ball_integral(kernel);
+            assert!((sum - 1.0).abs() < 1e-9, "{}: {sum}", kernel.name());
+            assert_eq!(evaluate_ball(kernel, 1.0), 0.0);
         }
     }
 

@@ -2,6 +2,7 @@
 
 pub mod bandwidth;
 pub mod beams;
+pub mod collisions;
 pub mod gather;
 pub mod kernel;
 pub mod nearest;

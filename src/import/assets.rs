@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::image::{self, ColourSpace};
 use super::mesh_file::{MeshFile, MeshMaterial, MeshMaterialModel, Part};
+use super::volume::{self, NumberFormat, Volume};
 use super::{animated, obj, ply};
 use crate::scene::description::{
     MaterialDescription, MaterialModel, MeshDescription, Parameter, Reference, TextureDescription,
@@ -64,6 +65,16 @@ impl Assets {
         let image = read.map_err(|problem| problem.at_unless_placed(used_at))?;
         self.textures.push(TextureDescription { source: used_at.clone(), image });
         Ok(self.textures.len() - 1)
+    }
+
+    /// A grid of numbers; each medium has its own.
+    pub fn volume(
+        &self,
+        file: &str,
+        raw: Option<([usize; 3], NumberFormat)>,
+        used_at: &Source,
+    ) -> Result<Volume, Problem> {
+        volume::read(&self.folder.join(file), raw).map_err(|problem| problem.at_unless_placed(used_at))
     }
 
     /// The index of a whole mesh file, read if it is new. `smooth`: compute normals, or have none; else the file's.

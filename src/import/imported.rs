@@ -1,7 +1,8 @@
 //! What a foreign scene file holds, in the terms of a description: a scene file of ours takes it in.
 
 use crate::scene::description::{
-    CameraDescription, LightDescription, MaterialDescription, MeshDescription, ObjectDescription, TextureDescription,
+    CameraDescription, LightDescription, MaterialDescription, MediumDescription, MeshDescription, ObjectDescription,
+    TextureDescription,
 };
 use crate::scene::error::{Problem, Source};
 use crate::scene::settings::RenderSettings;
@@ -17,6 +18,7 @@ pub struct Imported {
     pub settings: RenderSettings,
     pub materials: Vec<MaterialDescription>,
     pub textures: Vec<TextureDescription>,
+    pub media: Vec<MediumDescription>,
     pub meshes: Vec<MeshDescription>,
     pub objects: Vec<ObjectDescription>,
     pub lights: Vec<LightDescription>,

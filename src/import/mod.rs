@@ -16,6 +16,7 @@ pub mod native;
 pub mod obj;
 pub mod pbrt;
 pub mod ply;
+pub mod volume;
 
 pub use native::Override;
 

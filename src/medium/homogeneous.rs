@@ -1,4 +1,4 @@
-//! Flight through a medium that is the same everywhere · metres, 1/m.
+//! Flight through a medium of density one · metres, 1/m.
 //!
 //! Transmittance is Beer and Lambert's, T(d) = e^(−σ_t d). A place of the next event is drawn with the density
 //! Σ_c p_c σ_t,c T_c(d) over the channels c, one of which is chosen in proportion to what it still carries: the weight
@@ -28,28 +28,31 @@ impl Medium {
         self.extinction().map(|sigma| if sigma == 0.0 { 1.0 } else { (-sigma * distance).exp() })
     }
 
-    /// Whether and where light that carries `beta` meets the medium within `length`: the distance to the event or none,
-    /// and what `beta` is to be multiplied by. `u` chooses the channel and draws the distance.
-    pub fn draw(&self, beta: Spectrum, length: f64, u: [f64; 2]) -> (Option<f64>, Spectrum) {
+    /// How far light that carries `beta` gets before it meets the medium, perhaps infinitely. `u` chooses the channel and
+    /// draws the distance.
+    pub fn draw_column(&self, beta: Spectrum, u: [f64; 2]) -> f64 {
         let sigma = self.extinction().to_array();
-        let shares = shares(beta);
-        let sigma_drawn = sigma[chosen(&shares, u[0])];
-        let distance = if sigma_drawn > 0.0 { -(-u[1]).ln_1p() / sigma_drawn } else { f64::INFINITY };
-        if distance < length {
-            let left = self.transmittance(distance);
-            let density = sum(&shares, &sigma, left);
-            return (Some(distance), self.scattering * left / density);
-        }
-        let left = self.transmittance(length);
-        let chance = sum(&shares, &[1.0; 3], left);
-        (None, if chance > 0.0 { left / chance } else { Spectrum::BLACK })
+        let sigma_drawn = sigma[chosen(&shares(beta), u[0])];
+        if sigma_drawn > 0.0 { -(-u[1]).ln_1p() / sigma_drawn } else { f64::INFINITY }
     }
-}
 
-impl Medium {
-    /// A place within `length` for the next event of light that carries `beta`, and what `beta` is to be multiplied by for
-    /// what happens there; the rest of the light goes on. `None` where nothing can happen.
-    pub fn draw_within(&self, beta: Spectrum, length: f64, u: [f64; 2]) -> Option<(f64, Spectrum)> {
+    /// What `beta` is to be multiplied by where it met the medium after this distance.
+    pub fn weight_at(&self, beta: Spectrum, distance: f64) -> Spectrum {
+        let left = self.transmittance(distance);
+        let density = sum(&shares(beta), &self.extinction().to_array(), left);
+        self.scattering * left / density
+    }
+
+    /// What `beta` is to be multiplied by where it met nothing over `length`.
+    pub fn weight_past(&self, beta: Spectrum, length: f64) -> Spectrum {
+        let left = self.transmittance(length);
+        let chance = sum(&shares(beta), &[1.0; 3], left);
+        if chance > 0.0 { left / chance } else { Spectrum::BLACK }
+    }
+
+    /// A distance within `length` for the next event of light that carries `beta`, and its density, 1/m. `None` where nothing
+    /// can happen.
+    pub fn draw_column_within(&self, beta: Spectrum, length: f64, u: [f64; 2]) -> Option<(f64, f64)> {
         let sigma = self.extinction().to_array();
         let shares = shares(beta);
         // 1 − T_c(length).
@@ -63,7 +66,7 @@ impl Medium {
         let term =
             |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left.to_array()[c] } else { 0.0 };
         let density: f64 = (0..3).map(term).sum();
-        (density > 0.0).then(|| (distance, self.scattering * left / density))
+        (density > 0.0).then_some((distance, density))
     }
 }
 
@@ -92,10 +95,20 @@ fn sum(shares: &[f64; 3], sigma: &[f64; 3], left: Spectrum) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::{Dir3, Point3};
+    use crate::medium::Way;
     use crate::sampling::{Purpose, Stream};
 
-    const MEDIUM: Medium =
-        Medium { absorption: Spectrum::rgb(0.2, 0.0, 1.0), scattering: Spectrum::rgb(0.5, 0.0, 3.0), asymmetry: 0.0 };
+    const MEDIUM: Medium = Medium {
+        absorption: Spectrum::rgb(0.2, 0.0, 1.0),
+        scattering: Spectrum::rgb(0.5, 0.0, 3.0),
+        asymmetry: 0.0,
+        density: None,
+    };
+
+    fn way(length: f64) -> Way<'static> {
+        Way { medium: &MEDIUM, origin: Point3::ORIGIN, w: Dir3::X, from: 0.0, to: length }
+    }
 
     #[test]
     fn light_gets_as_far_as_beer_and_lambert_say() {
@@ -115,7 +128,7 @@ mod tests {
             let n = 50_000;
             let mut sums = [[0.0; 2]; 3];
             for _ in 0..n {
-                let Some((distance, weight)) = MEDIUM.draw_within(beta, length, stream.uniform2()) else { continue };
+                let Some((distance, weight)) = way(length).draw_within(beta, stream.uniform2()) else { continue };
                 assert!((0.0..=length).contains(&distance));
                 for (sum, x) in sums.iter_mut().zip((weight * beta).to_array()) {
                     *sum = [sum[0] + x, sum[1] + x * x];
@@ -141,7 +154,7 @@ mod tests {
             let n = 200_000;
             let mut sums = [[[0.0; 2]; 3]; 2];
             for _ in 0..n {
-                let (distance, weight) = MEDIUM.draw(beta, length, stream.uniform2());
+                let (distance, weight) = way(length).draw(beta, stream.uniform2());
                 let parts = match distance {
                     None => [weight, Spectrum::BLACK],
                     Some(d) => [Spectrum::BLACK, weight * d],

@@ -24,6 +24,11 @@ impl Inside {
         self.count == 0
     }
 
+    /// Whether one more object would be one too many.
+    pub fn is_full(&self) -> bool {
+        usize::from(self.count) == DEEPEST
+    }
+
     /// Nothing changes inside of an object that is entered again.
     pub fn entered(self, object: ObjectId) -> Inside {
         let mut next = self.left(object);

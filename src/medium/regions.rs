@@ -6,13 +6,15 @@
 //! in it, clear glass, keeps the atmosphere out.
 
 use super::inside::Inside;
+use super::lost::{Losses, LostCount};
+use super::way::Way;
 use crate::math::{Bounds3, Dir3, Point3};
 use crate::scene::medium::Interior;
 use crate::scene::{Medium, MediumId, ObjectId, Scene};
 use crate::surface::Interaction;
 
 /// What fills the objects of a scene and what is around them.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Regions {
     media: Vec<Medium>,
     /// Of each object.
@@ -24,6 +26,7 @@ pub struct Regions {
     /// Around all objects; no medium reaches farther.
     whole: Sphere,
     atmosphere: Option<MediumId>,
+    losses: Losses,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,11 +69,32 @@ impl Regions {
             interiors,
             whole: Sphere { centre, radius },
             atmosphere: media.atmosphere,
+            losses: Losses::default(),
         })
     }
 
     pub fn get(&self, id: MediumId) -> &Medium {
         &self.media[id.index()]
+    }
+
+    /// All media, by their ids.
+    pub fn media(&self) -> &[Medium] {
+        &self.media
+    }
+
+    /// A stretch of a ray with what is in it.
+    pub fn way(&self, stretch: &Stretch, origin: Point3, w: Dir3) -> Way<'_> {
+        Way { medium: self.get(stretch.medium), origin, w, from: stretch.from, to: stretch.to }
+    }
+
+    /// What rays lost count of so far.
+    pub fn lost_count(&self) -> LostCount {
+        self.losses.count()
+    }
+
+    /// A ray that went through too many surfaces is given up.
+    pub fn note_caught(&self) {
+        self.losses.note_caught();
     }
 
     /// Whether some medium scatters.
@@ -101,7 +125,13 @@ impl Regions {
         if before * after >= 0.0 || !self.has_inside(si.object) {
             return inside;
         }
-        if after < 0.0 { inside.entered(si.object) } else { inside.left(si.object) }
+        if after > 0.0 {
+            return inside.left(si.object);
+        }
+        if inside.left(si.object).is_full() {
+            self.losses.note_nested();
+        }
+        inside.entered(si.object)
     }
 
     /// What of the first `length` metres of a ray that is inside of `inside` lies in a medium.

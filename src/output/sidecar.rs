@@ -123,6 +123,9 @@ pub struct BirthCertificate {
     pub lights: Vec<BTreeMap<String, u64>>,
     /// What became of the photons that may bounce, which bring light that was scattered before.
     pub bounced_photons: BTreeMap<String, u64>,
+    /// The same of those whose ways through media become beams, each of which counts as stored; empty where there are none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub beam_photons: BTreeMap<String, u64>,
     pub refused_samples: RefusedSamples,
     /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
     pub pixels: String,
@@ -154,7 +157,7 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         TimeResolution::Auto => "auto".into(),
         TimeResolution::Cells(count) => count.into(),
     };
-    let all: [(&str, serde_json::Value); 23] = [
+    let all: [(&str, serde_json::Value); 25] = [
         ("method", settings.method.name().into()),
         ("backend", settings.backend.name().into()),
         ("seed", settings.seed.into()),
@@ -162,6 +165,8 @@ pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_jso
         ("spp", settings.spp.into()),
         ("photons", settings.photons.into()),
         ("beams", settings.beams.into()),
+        ("media_estimator", settings.media_estimator.name().into()),
+        ("beam_points", settings.beam_points.into()),
         ("emission", settings.emission.name().into()),
         ("estimator", settings.estimator.name().into()),
         ("guiding", settings.guiding.name().into()),

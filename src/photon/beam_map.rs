@@ -8,7 +8,9 @@ use std::ops::ControlFlow;
 use super::beam::Beam;
 use super::index::{BoxTree, Boxes, Lanes, OuterBox, SlabRay, Visitor};
 use super::order::ZCurve;
-use crate::math::Bounds3;
+use crate::math::{Bounds3, Point3, Vec3};
+use crate::medium::Way;
+use crate::scene::Medium;
 
 /// Pieces per beam in the mean; twice as many made rays no faster.
 const PIECES: f64 = 16.0;
@@ -25,15 +27,17 @@ pub struct BeamMap {
 
 /// A part of a beam between two distances, m.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
+pub struct Piece {
     beam: u32,
-    from: f64,
-    to: f64,
+    pub from: f64,
+    pub to: f64,
+    /// How much of the medium lies before it, m of density one.
+    pub column: f64,
 }
 
 impl BeamMap {
-    /// The map of all; the same whatever order they come in.
-    pub fn new(mut beams: Vec<Beam>) -> BeamMap {
+    /// The map of all, which go through these media; the same whatever order they come in.
+    pub fn new(mut beams: Vec<Beam>, media: &[Medium]) -> BeamMap {
         beams.sort_by_cached_key(Beam::bits);
         let length: f64 = beams.iter().map(|beam| beam.length).sum();
         let step = length / (PIECES * beams.len() as f64);
@@ -41,15 +45,19 @@ impl BeamMap {
         for (i, beam) in (0..).zip(&beams) {
             let count = (beam.length / step).ceil().clamp(1.0, MOST_PIECES);
             let place = |k: f64| beam.length * (k / count);
-            let all = (0..count as u32).map(f64::from);
-            pieces.extend(all.map(|k| Piece { beam: i, from: place(k), to: place(k + 1.0) }));
+            let mut column = 0.0;
+            for (from, to) in (0..count as u32).map(|k| (place(k.into()), place(f64::from(k) + 1.0))) {
+                pieces.push(Piece { beam: i, from, to, column });
+                let medium = &media[beam.medium.index()];
+                column += Way { medium, origin: beam.origin, w: beam.w, from, to }.column();
+            }
         }
         let middle = |piece: &Piece| beams[piece.beam as usize].at(0.5 * (piece.from + piece.to));
         let curve = ZCurve::through(&Bounds3::from_points(pieces.iter().map(middle)));
         // A stable sort: pieces at one place keep the order of their beams.
         pieces.sort_by_cached_key(|piece| curve.code(middle(piece)));
         let boxed = |i: usize| {
-            let Piece { beam, from, to } = pieces[i];
+            let Piece { beam, from, to, .. } = pieces[i];
             let beam = &beams[beam as usize];
             let ends = OuterBox::new(beam.at(from), beam.half_extents(from, to));
             ends.union(OuterBox::new(beam.at(to), beam.half_extents(from, to)))
@@ -58,23 +66,32 @@ impl BeamMap {
         BeamMap { beams, pieces, tree }
     }
 
-    /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and between which distances it is this piece's.
+    /// Leads `visit` to the pieces whose boxes hold the place.
+    pub fn over(&self, p: Point3, mut visit: impl FnMut(&Beam, &Piece)) {
+        let place = BoxTree::build(1, |_| OuterBox::new(p, Vec3::ZERO));
+        for i in self.tree.over(&place) {
+            let piece = &self.pieces[i];
+            visit(&self.beams[piece.beam as usize], piece);
+        }
+    }
+
+    /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and which part of it is this piece's.
     #[inline(always)]
-    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Beam, [f64; 2])) {
+    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Beam, &Piece)) {
         struct Along<'a, F> {
             map: &'a BeamMap,
             ray: &'a SlabRay,
             visit: F,
         }
-        impl<F: FnMut(&Beam, [f64; 2])> Visitor for Along<'_, F> {
+        impl<F: FnMut(&Beam, &Piece)> Visitor for Along<'_, F> {
             #[inline(always)]
             fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
                 boxes.met(self.ray)
             }
             #[inline(always)]
             fn visit(&mut self, i: usize) -> ControlFlow<()> {
-                let Piece { beam, from, to } = self.map.pieces[i];
-                (self.visit)(&self.map.beams[beam as usize], [from, to]);
+                let piece = &self.map.pieces[i];
+                (self.visit)(&self.map.beams[piece.beam as usize], piece);
                 ControlFlow::Continue(())
             }
         }

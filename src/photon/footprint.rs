@@ -42,6 +42,10 @@ impl TangentForm {
     pub fn along(&self, e: Vec2) -> f64 {
         self.xx * e.x * e.x + 2.0 * self.xy * e.x * e.y + self.yy * e.y * e.y
     }
+    /// cᵀ Q d.
+    pub fn between(&self, c: Vec2, d: Vec2) -> f64 {
+        self.xx * c.x * d.x + self.xy * (c.x * d.y + c.y * d.x) + self.yy * c.y * d.y
+    }
     /// The ellipse with no semi-axis longer than this.
     pub fn at_most(self, semi_axis: f64) -> TangentForm {
         let limit = semi_axis * semi_axis;

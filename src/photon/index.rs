@@ -54,19 +54,32 @@ impl OuterBox {
     }
 }
 
-/// A ray made ready to be held against boxes.
+/// A ray made ready to be held against boxes, in single precision: it may meet a few more boxes than it should, none less.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlabRay {
-    origin: [f64; 3],
+    /// The origin, moved by what rounding may have moved it: forwards for the side where a ray comes in …
+    first: [f32; 3],
+    /// … and backwards for the one where it leaves.
+    last: [f32; 3],
     /// Of the direction; of a component that is zero that of a tiny one, so that no difference of zero becomes NaN.
-    inverse: [f64; 3],
-    length: f64,
+    inverse: [f32; 3],
+    length: f32,
 }
+
+/// Above one by more than the roundings of a distance: of the inverse, of the difference, of their product.
+const WIDENED: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 impl SlabRay {
     pub fn new(origin: Point3, w: Dir3, length: f64) -> SlabRay {
-        let inverse = w.to_vec().to_array().map(|c| 1.0 / if c.abs() < TINY { TINY } else { c });
-        SlabRay { origin: origin.to_vec().to_array(), inverse, length }
+        let inverse = w.to_vec().to_array().map(|c| (1.0 / if c.abs() < TINY { TINY } else { c }) as f32);
+        let origin = origin.to_vec().to_array();
+        let moved = |sign: f64| {
+            array::from_fn(|k| {
+                let slack = origin[k].abs() * 4.0 * f64::from(f32::EPSILON) + f64::from(f32::MIN_POSITIVE);
+                (origin[k] + slack * sign * f64::from(inverse[k]).signum()) as f32
+            })
+        };
+        SlabRay { first: moved(1.0), last: moved(-1.0), inverse, length: length as f32 * WIDENED }
     }
 }
 
@@ -95,17 +108,19 @@ impl Boxes {
     /// Those that a ray meets.
     #[inline(always)]
     pub fn met(&self, ray: &SlabRay) -> Lanes {
-        let (mut near, mut far) = ([0.0f64; WIDTH], [ray.length; WIDTH]);
+        let (mut near, mut far) = ([0.0f32; WIDTH], [ray.length; WIDTH]);
         for k in 0..3 {
             // Not by comparing distances: an empty box has to stay one.
             let [first, last] =
                 if ray.inverse[k] > 0.0 { [&self.lo[k], &self.hi[k]] } else { [&self.hi[k], &self.lo[k]] };
             for i in 0..WIDTH {
-                near[i] = near[i].max((f64::from(first[i]) - ray.origin[k]) * ray.inverse[k]);
-                far[i] = far[i].min((f64::from(last[i]) - ray.origin[k]) * ray.inverse[k]);
+                let (a, b) = ((first[i] - ray.first[k]) * ray.inverse[k], (last[i] - ray.last[k]) * ray.inverse[k]);
+                // Not `max` and `min`, which do more about what is not a number.
+                near[i] = if a > near[i] { a } else { near[i] };
+                far[i] = if b < far[i] { b } else { far[i] };
             }
         }
-        Lanes::from(array::from_fn(|i| near[i] <= far[i]))
+        Lanes::from(array::from_fn(|i| near[i] <= far[i] * WIDENED))
     }
     /// Those that overlap `bounds`.
     #[inline(always)]

@@ -3,6 +3,8 @@
 pub mod beam;
 pub mod beam_map;
 pub mod bounce;
+pub mod collision;
+pub mod collision_map;
 mod columns;
 mod edge;
 pub mod emit;
@@ -22,6 +24,7 @@ pub mod trace;
 
 pub use beam::{Beam, BeamWidth};
 pub use bounce::Bounces;
+pub use collision::Collision;
 pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population};
 pub use kinds::Kinds;
 pub use map::{PhotonHarvest, PhotonMap};

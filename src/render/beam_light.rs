@@ -1,7 +1,7 @@
-//! Light that photon beams bring to the eye's rays in media that scatter: emit → trace → map, and what a ray asks.
+//! Light that photons bring to the eye's paths in media that scatter: emit → trace → map, and what rays and places ask.
 //!
-//! Beams are photons of their own, fewer than those on surfaces: a ray crosses thousands of them where a point lies under a
-//! hundred footprints. The kinds, and who finds them, are those of surfaces ([`super::partition`]).
+//! These are photons of their own, fewer than those on surfaces: a ray crosses thousands of their beams where a point lies
+//! under a hundred footprints. The kinds, and who finds them, are those of surfaces ([`super::partition`]).
 
 use super::emission;
 use super::photon_light::LIGHT;
@@ -9,56 +9,115 @@ use super::photon_map::{self, Traced};
 use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
-use crate::estimate::beams::{self, EyeSegment};
+use crate::estimate::beams::{self, EyeSegment, Place};
+use crate::estimate::collisions;
 use crate::film::{Arrival, LightKind};
-use crate::photon::Kinds;
 use crate::photon::beam_map::BeamMap;
-use crate::radiometry::Spectrum;
-use crate::scene::settings::KernelShape;
+use crate::photon::collision_map::CollisionMap;
+use crate::photon::{Beam, Kinds, PhotonCounts};
+use crate::radiometry::{Radiance, Spectrum};
+use crate::sampling::{Purpose, Stream};
+use crate::scene::Medium;
+use crate::scene::settings::{KernelShape, MediaEstimator};
+use crate::world::World;
 
-/// The beams of a pass.
+/// The beams of a pass, or points on them.
 pub struct BeamLight {
-    maps: Kinds<BeamMap>,
+    maps: Kinds<Option<MediaMap>>,
     kernel: KernelShape,
+    estimator: MediaEstimator,
+    /// What became of their photons; a beam counts as stored.
+    pub counts: PhotonCounts,
+}
+
+/// What is asked of one kind.
+enum MediaMap {
+    Beams(BeamMap),
+    Points(CollisionMap),
 }
 
 impl BeamLight {
     /// Those of the pass under way; `None` where no medium scatters, or nothing focuses light into one.
     pub fn shoot(job: &Job, state: &RenderState) -> Result<Option<BeamLight>, Stopped> {
         let (world, pass) = (job.world, state.film.pass());
-        let scatters = world.regions.as_ref().is_some_and(|regions| regions.scatter());
-        if !scatters {
-            return Ok(None);
-        }
+        let Some(regions) = world.regions.as_ref().filter(|regions| regions.scatter()) else { return Ok(None) };
         let plans = job.beam_plans.get_or_init(|| emission::beam_plan(world, job.plans()));
         let units = photon_map::units(world, plans, pass);
         let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
         job.watch.phase("beams", units.len() as u64);
         let mut all = Kinds::<()>::default().map(|()| Vec::new());
+        let mut counts = PhotonCounts::default();
         let trace = |i: usize| photon_map::trace_unit(world, &units[i], spread, cells);
-        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, .. }| {
+        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, counts: unit, .. }| {
+            counts.merge(&unit);
             all.append(beams.unwrap_or_default());
             job.watch.look(state);
         })?;
         job.watch.finish();
-        Ok(Some(BeamLight { maps: all.map(BeamMap::new), kernel: world.scene.settings.kernel }))
+        let mut kind = 0;
+        let maps = all.map(|beams| {
+            kind += 1;
+            (!beams.is_empty()).then(|| MediaMap::new(world, pass, beams, regions.media(), kind))
+        });
+        let settings = &world.scene.settings;
+        Ok(Some(BeamLight { maps, kernel: settings.kernel, estimator: settings.media_estimator, counts }))
     }
 
-    /// What the beams of each kind bring to the start of a segment; those that were scattered last only where they are asked
+    /// Whether rays ask, [`BeamLight::along`], and not places, [`BeamLight::at`].
+    pub fn asks_along_rays(&self) -> bool {
+        self.estimator.asks_along_rays()
+    }
+
+    /// What photons of each kind bring to the start of a segment; those that were scattered last only where they are asked
     /// for. `straight` is what light straight from a lamp would be to the eye there.
     pub fn along(
         &self,
         segment: &EyeSegment,
         asks_scattered: bool,
         straight: Arrival,
+        add: impl FnMut(LightKind, Spectrum),
+    ) {
+        self.ask(asks_scattered, straight, add, |map| match map {
+            MediaMap::Beams(map) => beams::radiance(map, self.kernel, segment),
+            MediaMap::Points(map) => collisions::radiance(map, self.kernel, segment),
+        });
+    }
+
+    /// The same of what comes in at a place.
+    pub fn at(&self, place: &Place, asks_scattered: bool, straight: Arrival, add: impl FnMut(LightKind, Spectrum)) {
+        self.ask(asks_scattered, straight, add, |map| match map {
+            MediaMap::Beams(map) => beams::radiance_at(map, self.kernel, place),
+            MediaMap::Points(map) => collisions::radiance_at(map, self.kernel, place),
+        });
+    }
+
+    fn ask(
+        &self,
+        asks_scattered: bool,
+        straight: Arrival,
         mut add: impl FnMut(LightKind, Spectrum),
+        radiance: impl Fn(&MediaMap) -> Radiance,
     ) {
         for (map, (part, arrival)) in self.maps.as_ref().into_array().into_iter().zip(LIGHT.into_array()) {
-            if map.beams.is_empty() || arrival == Arrival::Scattered && !asks_scattered {
-                continue;
-            }
+            let Some(map) = map.as_ref().filter(|_| arrival != Arrival::Scattered || asks_scattered) else { continue };
             let arrival = if straight == Arrival::Straight { arrival } else { straight };
-            add(LightKind { part, arrival }, beams::radiance(map, self.kernel, segment).0);
+            add(LightKind { part, arrival }, radiance(map).0);
         }
+    }
+}
+
+/// Ways of one kind of photons in a pass that have numbers of their own.
+const WAYS: u64 = 1 << 48;
+
+impl MediaMap {
+    /// Of the beams of pass `pass` of the `kind`th kind.
+    fn new(world: &World, pass: u32, beams: Vec<Beam>, media: &[Medium], kind: u64) -> MediaMap {
+        let settings = &world.scene.settings;
+        if settings.media_estimator.asks_beams() {
+            return MediaMap::Beams(BeamMap::new(beams, media));
+        }
+        let spread = photon_map::spread(world, pass);
+        let stream = |way: u64| Stream::new(settings.seed, Purpose::Collision, pass, kind * WAYS + way);
+        MediaMap::Points(CollisionMap::new(beams, media, settings.beam_points, spread, stream))
     }
 }

@@ -30,6 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::film::{Film, PixelBounds};
+use crate::medium::LostCount;
 use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
 use crate::world::World;
@@ -46,10 +47,16 @@ pub struct RenderReport {
     pub photons_by_light: Vec<PhotonCounts>,
     /// Photons that are scattered first, of all passes.
     pub bounced_photons: PhotonCounts,
+    /// Photons whose ways through media become beams, of all passes; a beam counts as stored.
+    #[serde(default)]
+    pub beam_photons: PhotonCounts,
     /// Rays that the backend refused.
     pub invalid_rays: u64,
     /// Hits within rounding of a triangle's plane, or on a degenerate one, shaded where the backend put them.
     pub inexact_hits: u64,
+    /// What rays through media lost count of.
+    #[serde(default)]
+    pub lost_count: LostCount,
     /// Time spent rendering, by all who had a share in it.
     pub seconds: f64,
 }
@@ -139,6 +146,7 @@ pub fn go_on(
     let job = Job::new(world, camera, watch);
     let (start, before) = (Instant::now(), state.report.seconds);
     let [invalid_rays, inexact_hits] = [world.backend.invalid_rays(), world.inexact_hits()];
+    let lost_count = world.lost_count();
     let mut ended = Ended::Done;
     while !state.film.is_between_passes() || more(state) {
         if render_pass(&job, state).is_err() {
@@ -151,6 +159,7 @@ pub fn go_on(
     }
     state.report.invalid_rays += world.backend.invalid_rays() - invalid_rays;
     state.report.inexact_hits += world.inexact_hits() - inexact_hits;
+    state.report.lost_count = state.report.lost_count.plus(world.lost_count().since(lost_count));
     state.report.seconds = before + Duration::as_secs_f64(&start.elapsed());
     Ok(ended)
 }
@@ -182,6 +191,7 @@ impl RenderReport {
 
     /// Adds what was done for other passes.
     fn add_passes(&mut self, other: &RenderReport) {
+        self.beam_photons.merge(&other.beam_photons);
         self.add_photons(&other.photons, &other.photons_by_light, &other.bounced_photons);
         self.add_work(other);
     }
@@ -189,6 +199,7 @@ impl RenderReport {
     /// Adds what was done for other pixels of the same passes; every tile traces the same photons.
     fn paste(&mut self, other: &RenderReport, first: bool) {
         if first {
+            self.beam_photons.merge(&other.beam_photons);
             self.add_photons(&other.photons, &other.photons_by_light, &other.bounced_photons);
         }
         self.add_work(other);
@@ -197,6 +208,7 @@ impl RenderReport {
     fn add_work(&mut self, other: &RenderReport) {
         self.invalid_rays += other.invalid_rays;
         self.inexact_hits += other.inexact_hits;
+        self.lost_count = self.lost_count.plus(other.lost_count);
         self.seconds += other.seconds;
     }
 }

@@ -35,6 +35,9 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let photons = PhotonLight::of_pass(&maps, &world.scene.settings, pass).with_beams(beams.as_ref());
     expose(job, &EyeTask::beside(world, plans), Some(&photons), state)?;
     state.report.add_maps(&maps);
+    if let Some(beams) = &beams {
+        state.report.beam_photons.merge(&beams.counts);
+    }
     Ok(())
 }
 
@@ -110,7 +113,7 @@ pub(super) fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) 
 pub(super) struct Traced {
     stored: Kinds<Vec<Photon>>,
     pub beams: Option<Kinds<Vec<Beam>>>,
-    counts: PhotonCounts,
+    pub counts: PhotonCounts,
 }
 
 /// Only footprints need the photons' columns, and that of time only where something moves.

@@ -19,6 +19,8 @@ pub enum Purpose {
     Test = 6,
     /// Pilots that learn where a light's photons are worth sending; the index is the pilot.
     Guide = 7,
+    /// Places on photons' ways through media; the index is the way.
+    Collision = 8,
 }
 
 /// The numbers of one path.

@@ -4,7 +4,10 @@
 //! [`assemble`](super::assemble()) checks the whole and reports every problem at once. World space, metres, right-handed;
 //! numbers are in the units that the fields name.
 
+use std::sync::Arc;
+
 use super::camera::PixelFilter;
+use super::density::DensityGrid;
 use super::error::{Problem, Source};
 use super::mesh::TriangleMesh;
 use super::settings::RenderSettings;
@@ -108,6 +111,8 @@ pub struct MediumDescription {
     pub sigma_s: [f64; 3],
     /// Mean cosine of the phase function.
     pub g: f64,
+    /// What the coefficients are multiplied by from place to place.
+    pub density: Option<Arc<DensityGrid>>,
 }
 
 /// Linear Rec.709 triples; roughness is the artist's number, whose square is the GGX width.

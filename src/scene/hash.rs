@@ -150,6 +150,8 @@ impl Canonical {
             spp,
             photons,
             beams,
+            media_estimator,
+            beam_points,
             emission,
             guiding,
             estimator,
@@ -209,6 +211,13 @@ impl Canonical {
         if *beams != RenderSettings::default().beams {
             self.tag("beams");
             self.integer(*beams);
+        }
+        if *media_estimator != RenderSettings::default().media_estimator {
+            self.tag(media_estimator.name());
+        }
+        if *beam_points != RenderSettings::default().beam_points {
+            self.tag("beam points");
+            self.integer(u64::from(*beam_points));
         }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");

@@ -1,10 +1,13 @@
 //! Participating media as the scene file names them: what fills the inside of objects, and the whole scene. 1/m.
 
+use std::sync::Arc;
+
+use super::density::DensityGrid;
 use super::ids::{MaterialId, MediumId};
 use crate::radiometry::Spectrum;
 
-/// A medium that is the same everywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A medium; its coefficients are those where its density is one.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     /// σ_a, 1/m.
     pub absorption: Spectrum,
@@ -13,6 +16,8 @@ pub struct Medium {
     /// g of Henyey and Greenstein's phase function, the mean cosine between the ways before and after an event, in
     /// (−1, 1).
     pub asymmetry: f64,
+    /// `None`: the same everywhere, of density one.
+    pub density: Option<Arc<DensityGrid>>,
 }
 
 /// What is inside of the objects of a material.

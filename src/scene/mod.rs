@@ -5,6 +5,7 @@
 pub mod assemble;
 pub mod camera;
 pub mod deformation;
+pub mod density;
 pub mod description;
 pub mod error;
 pub mod hash;

@@ -103,6 +103,32 @@ named_choice!(
 );
 
 named_choice!(
+    /// How light that photons bring into a medium is estimated: what of the eye asks what of the photons `[Jarosz11]`.
+    MediaEstimator {
+        /// Rays cross beams: a blur in one dimension.
+        RayBeams = "ray_beams",
+        /// Rays pass points, where photons meet the medium: in two.
+        RayPoints = "ray_points",
+        /// Places, where an eye's path meets the medium, lie in beams: in two.
+        PlaceBeams = "place_beams",
+        /// Places lie about points: in three.
+        PlacePoints = "place_points",
+    }
+);
+
+impl MediaEstimator {
+    /// Whether the eye's rays ask, and not places on them.
+    pub fn asks_along_rays(self) -> bool {
+        matches!(self, MediaEstimator::RayBeams | MediaEstimator::RayPoints)
+    }
+
+    /// Whether beams are asked, and not points on them.
+    pub fn asks_beams(self) -> bool {
+        matches!(self, MediaEstimator::RayBeams | MediaEstimator::PlaceBeams)
+    }
+}
+
+named_choice!(
     /// The ellipse that a photon's columns span.
     FootprintRule {
         /// Σ of the columns' squares, PHOTON_DIFFERENTIALS 2.4.
@@ -205,6 +231,9 @@ pub struct RenderSettings {
     pub photons: u64,
     /// Those that become beams in media that scatter, in each pass.
     pub beams: u64,
+    pub media_estimator: MediaEstimator,
+    /// Points on each beam, for the estimates that ask points.
+    pub beam_points: u32,
     pub emission: EmissionPattern,
     pub guiding: Guiding,
     pub estimator: Estimator,
@@ -239,6 +268,8 @@ impl Default for RenderSettings {
             spp: 16,
             photons: 200_000,
             beams: 10_000,
+            media_estimator: MediaEstimator::RayBeams,
+            beam_points: 16,
             emission: EmissionPattern::Lattice,
             guiding: Guiding::On,
             estimator: Estimator::Differentials,

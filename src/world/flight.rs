@@ -57,14 +57,15 @@ impl World {
             flown = (origin - ray.origin).dot(ray.direction);
             leg = Ray { origin, t_max: ray.t_max - flown, ..leg };
         }
+        regions.note_caught();
         Flown::Escaped
     }
 
     /// The first surface along the ray that light notices, and what of the light gets there, or out of the scene.
     pub fn cross(&self, regions: &Regions, ray: &Ray, inside: &mut Inside) -> (Option<Interaction>, Spectrum) {
-        let mut left = Spectrum::ONE;
+        let (mut left, w) = (Spectrum::ONE, Dir3::from_unit(ray.direction));
         let flown = self.fly(regions, ray, inside, |stretch, _| {
-            left *= regions.get(stretch.medium).transmittance(stretch.length());
+            left *= regions.way(stretch, ray.origin, w).transmittance();
             ControlFlow::<()>::Continue(())
         });
         match flown {
@@ -100,7 +101,7 @@ impl World {
     fn left_of(&self, regions: &Regions, ray: &Ray, inside: Inside) -> Spectrum {
         let w = Dir3::from_unit(ray.direction);
         let stretch = regions.stretch(inside, ray.origin, w, ray.t_max);
-        stretch.map_or(Spectrum::ONE, |s| regions.get(s.medium).transmittance(s.length()))
+        stretch.map_or(Spectrum::ONE, |s| regions.way(&s, ray.origin, w).transmittance())
     }
 
     /// What a surface point sees of a light `distance` along `wi`: nothing, or what of its light gets there. `inside` is

@@ -216,6 +216,29 @@ fn emissive_meshes_are_area_lights_of_their_strength() {
     assert_eq!((emission.radiance, emission.two_sided), ([8.0, 4.0, 0.0], true));
 }
 
+/// After the distance, 0.5 m, the colour is what is left: σ_a = −ln(c)/0.5. Thin glass and what is not coloured has no inside.
+#[test]
+fn the_attenuation_of_solid_glass_is_a_medium_that_absorbs() {
+    let glass = |thickness: f64, colour: [f64; 3]| {
+        let volume = json!({"thicknessFactor": thickness, "attenuationDistance": 0.5, "attenuationColor": colour});
+        let extensions =
+            json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}, "KHR_materials_volume": volume});
+        let material = json!([{"name": "glass", "extensions": extensions}]);
+        read(&Gltf::triangle().set("/materials", material).set("/meshes/0/primitives/0/material", json!(0)))
+    };
+    let coloured = glass(1.0, [0.5, 1.0, 0.25]);
+    let [medium] = &coloured.media[..] else { panic!("{:?}", coloured.media) };
+    let ln2 = std::f64::consts::LN_2;
+    for (sigma, expected) in medium.sigma_a.into_iter().zip([2.0 * ln2, 0.0, 4.0 * ln2]) {
+        assert!((sigma - expected).abs() < 1e-12, "{sigma}, not {expected}");
+    }
+    assert_eq!(medium.sigma_s, [0.0; 3]);
+    let interior = coloured.materials[0].interior.as_ref().and_then(|i| i.medium.as_ref()).expect("a medium inside");
+    assert_eq!(interior.name, medium.name);
+    assert!(glass(0.0, [0.5, 1.0, 0.25]).media.is_empty());
+    assert!(glass(1.0, [1.0; 3]).media.is_empty());
+}
+
 #[test]
 fn what_is_ignored_is_listed_once_by_name() {
     let mut file = Gltf::triangle()

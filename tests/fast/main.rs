@@ -20,6 +20,7 @@ mod light_assembly;
 mod lights;
 mod bad_input;
 mod mesh_files;
+mod density;
 mod media;
 mod metric;
 mod motion;

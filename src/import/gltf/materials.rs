@@ -7,7 +7,10 @@ use gltf::{Document, Material};
 use super::textures::{Channels, Textures, uv_set};
 use crate::import::ignored::Ignored;
 use crate::import::names::Names;
-use crate::scene::description::{Emission, MaterialDescription, MaterialModel, NormalMapDescription, Parameter};
+use crate::scene::description::{
+    Emission, InteriorDescription, MaterialDescription, MaterialModel, MediumDescription, NormalMapDescription,
+    Parameter, Reference, TextureDescription,
+};
 use crate::scene::error::{Problem, Source};
 
 /// What a mesh needs to know of its material.
@@ -27,6 +30,8 @@ pub(super) struct Materials<'a> {
     source: &'a Source,
     names: Names,
     pub described: Vec<MaterialDescription>,
+    /// What fills solid glass that is coloured inside.
+    media: Vec<MediumDescription>,
     /// By index; the last is that of meshes without a material.
     finishes: Vec<Option<Finish>>,
 }
@@ -34,11 +39,11 @@ pub(super) struct Materials<'a> {
 impl<'a> Materials<'a> {
     pub fn new(document: &Document, textures: Textures<'a>, source: &'a Source) -> Materials<'a> {
         let finishes = vec![None; document.materials().len() + 1];
-        Materials { textures, source, names: Names::default(), described: Vec::new(), finishes }
+        Materials { textures, source, names: Names::default(), described: Vec::new(), media: Vec::new(), finishes }
     }
 
-    pub fn into_parts(self) -> (Vec<MaterialDescription>, Vec<crate::scene::description::TextureDescription>) {
-        (self.described, self.textures.described)
+    pub fn into_parts(self) -> (Vec<MaterialDescription>, Vec<TextureDescription>, Vec<MediumDescription>) {
+        (self.described, self.textures.described, self.media)
     }
 
     pub fn of(&mut self, material: &Material<'_>, ignored: &mut Ignored) -> Result<Finish, Problem> {
@@ -58,7 +63,15 @@ impl<'a> Materials<'a> {
         let emission = emission(material, &mut uses, self.source)?;
         let is_lamp = emission.is_some() && material.emissive_texture().is_none();
         let finish = Finish { name: name.clone(), emission, is_lamp, uv_set: uses.uv_set };
-        self.described.push(MaterialDescription { name, source: self.source.clone(), model, interior: None });
+        let source = self.source.clone();
+        let interior = attenuation(material).map(|sigma_a| {
+            let inside = format!("{name}: inside");
+            let medium = Reference { name: inside.clone(), source: source.clone() };
+            let (sigma_s, g, density) = ([0.0; 3], 0.0, None);
+            self.media.push(MediumDescription { name: inside, source: source.clone(), sigma_a, sigma_s, g, density });
+            InteriorDescription { medium: Some(medium), priority: 0 }
+        });
+        self.described.push(MaterialDescription { name, source, model, interior });
         self.finishes[place] = Some(finish.clone());
         Ok(finish)
     }
@@ -133,6 +146,19 @@ fn model(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialMod
         Some(older) => specular_glossiness(&older, coverage, normal, uses),
         None => Ok(without_unused_images(model)),
     }
+}
+
+/// What a distance leaves of a channel at least, so that a coefficient is finite.
+const BLACKEST: f64 = 1e-6;
+
+/// `KHR_materials_volume`: the coefficient of absorption, 1/m, that leaves the attenuation colour of light after the
+/// attenuation distance, c = e^(−σ_a d). `None` where nothing is taken away, or nothing goes through.
+fn attenuation(material: &Material<'_>) -> Option<[f64; 3]> {
+    let volume = material.volume().filter(|volume| volume.thickness_factor() > 0.0)?;
+    material.transmission().filter(|transmission| transmission.transmission_factor() > 0.0)?;
+    let distance = f64::from(volume.attenuation_distance());
+    let sigma = volume.attenuation_color().map(|c| -share(c).max(BLACKEST).ln() / distance);
+    (sigma != [0.0; 3] && sigma.iter().all(|s| s.is_finite())).then_some(sigma)
 }
 
 /// How much of a point is there: alpha itself, or whether it reaches the cutoff.
@@ -226,6 +252,4 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
 fn note_ignored(material: &Material<'_>, ignored: &mut Ignored) {
     ignored.note_if(material.occlusion_texture().is_some(), "occlusionTexture");
     ignored.note_if(material.unlit(), "KHR_materials_unlit (lit as others are)");
-    let coloured = material.volume().is_some_and(|v| v.attenuation_color() != [1.0; 3]);
-    ignored.note_if(coloured, "the attenuation of KHR_materials_volume");
 }

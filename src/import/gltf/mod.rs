@@ -83,7 +83,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
         reading.add_objects(item)?;
     }
     let Reading { materials, meshes, objects, bounds, has_lamp, .. } = reading;
-    let (materials, textures) = materials.into_parts();
+    let (materials, textures, media) = materials.into_parts();
     let lights: Vec<LightDescription> = placed
         .iter()
         .filter_map(|item| lights::describe(&item.node.light()?, &item.to_world, &source, &mut ignored))
@@ -102,6 +102,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
         source,
         materials,
         textures,
+        media,
         meshes,
         objects,
         lights,

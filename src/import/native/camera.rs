@@ -11,7 +11,8 @@ use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraKeyDescription, CameraModelDescription};
 use crate::scene::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect,
-    KernelShape, Layer, MAX_PHOTONS_PER_PASS, Method, Radius, RenderSettings, TimeKernel, TimeResolution,
+    KernelShape, Layer, MAX_PHOTONS_PER_PASS, MediaEstimator, Method, Radius, RenderSettings, TimeKernel,
+    TimeResolution,
 };
 
 /// Pixels along one side at most.
@@ -241,6 +242,12 @@ pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> Re
         spp: section.or("spp", count(1), default.spp.into()) as u32,
         photons: section.or("photons", photons, default.photons),
         beams: section.or("beams", Integer::within(1, MAX_PHOTONS_PER_PASS), default.beams),
+        media_estimator: section.or(
+            "media_estimator",
+            Choice { names: MediaEstimator::NAMES, from_name: MediaEstimator::from_name },
+            default.media_estimator,
+        ),
+        beam_points: section.or("beam_points", Integer::within(1, 65_536), default.beam_points.into()) as u32,
         emission: section.or(
             "emission",
             Choice { names: EmissionPattern::NAMES, from_name: EmissionPattern::from_name },

@@ -8,7 +8,8 @@ use crate::import::keyed::convert::Text;
 use crate::import::keyed::reader::Section;
 use crate::import::{gltf, is_foreign, pbrt};
 use crate::scene::description::{
-    CameraDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription, ObjectDescription,
+    CameraDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription, MediumDescription,
+    ObjectDescription,
 };
 use crate::scene::error::{Problem, Problems, Source};
 use crate::scene::settings::RenderSettings;
@@ -27,6 +28,7 @@ pub(super) struct Included {
     has_camera: bool,
     pub settings: RenderSettings,
     materials: Vec<MaterialDescription>,
+    media: Vec<MediumDescription>,
     objects: Vec<ObjectDescription>,
     lights: Vec<LightDescription>,
     is_lit: bool,
@@ -58,17 +60,18 @@ impl Included {
     /// `assets` hold nothing yet, so that its indices stay what they are.
     pub fn into_assets(imported: Imported, assets: &mut Assets) -> Included {
         let Imported { source, camera, has_camera, settings, materials, textures, meshes, objects, .. } = imported;
-        let Imported { lights, is_lit, warnings, .. } = imported;
+        let Imported { media, lights, is_lit, warnings, .. } = imported;
         assets.textures = textures;
         assets.meshes = meshes;
-        Included { source, camera, has_camera, settings, materials, objects, lights, is_lit, warnings }
+        Included { source, camera, has_camera, settings, materials, media, objects, lights, is_lit, warnings }
     }
 
-    /// Puts the file's things before the scene's own, which take the place of materials of the same name and of all lights
+    /// Puts the file's things before the scene's own, which take the place of materials and media of the same name and of all lights
     /// that are no objects; returns what is to be said about it.
     pub fn add_to(
         mut self,
         materials: &mut Vec<MaterialDescription>,
+        media: &mut Vec<MediumDescription>,
         objects: &mut Vec<ObjectDescription>,
         lights: &mut Vec<LightDescription>,
         camera_is_given: bool,
@@ -76,6 +79,8 @@ impl Included {
         let is_lit = self.is_lit || !lights.is_empty() || objects.iter().any(|object| object.emission.is_some());
         self.materials.retain(|own| materials.iter().all(|material| material.name != own.name));
         materials.splice(0..0, self.materials);
+        self.media.retain(|own| media.iter().all(|medium| medium.name != own.name));
+        media.append(&mut self.media);
         objects.splice(0..0, self.objects);
         if lights.is_empty() {
             lights.append(&mut self.lights);

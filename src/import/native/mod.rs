@@ -90,7 +90,7 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
     let mut materials = materials::read(&root, &mut assets);
     let mut objects = objects::read(&root, &mut assets);
     let mut lights = lights::read(&root);
-    let media = media::read(&root);
+    let mut media = media::read(&root, &assets);
     let atmosphere = media::reference(&root, "atmosphere");
     // A free table that closed-form tests read.
     root.get("expect");
@@ -98,7 +98,7 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
     let mut warnings = Vec::new();
     if let Some(included) = included {
         let camera_is_given = root.get("camera").is_some();
-        warnings = included.add_to(&mut materials, &mut objects, &mut lights, camera_is_given);
+        warnings = included.add_to(&mut materials, &mut media, &mut objects, &mut lights, camera_is_given);
     }
 
     Some(SceneDescription {

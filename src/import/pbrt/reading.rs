@@ -213,6 +213,7 @@ impl<'a> Reading<'a> {
             settings: self.film.settings,
             materials: self.materials.described,
             textures: self.textures.described,
+            media: Vec::new(),
             meshes: self.shapes.meshes,
             objects,
             lights: self.lights,

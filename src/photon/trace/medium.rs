@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use super::{Branch, PhotonTracer};
 use crate::differential::{Differential, SurfaceMotion};
 use crate::math::{Frame, Normal3, Ray};
-use crate::medium::{HenyeyGreenstein, Inside, Regions, Stretch};
+use crate::medium::{HenyeyGreenstein, Inside, Regions, Stretch, Way};
 use crate::photon::beam::{Beam, BeamWidth};
 use crate::photon::columns::Columns;
 use crate::photon::kinds::Kinds;
@@ -34,13 +34,13 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
         let ray = Ray::new(branch.origin, branch.w).at_time(self.time);
         let (mut inside, mut left) = (branch.inside, Spectrum::ONE);
         let flown = world.fly(regions, &ray, &mut inside, |stretch, inside| {
-            let medium = regions.get(stretch.medium);
-            if medium.scatters() {
-                let there = Left { stretch, left, inside };
+            let way = regions.way(stretch, branch.origin, branch.w);
+            if way.medium.scatters() {
+                let there = Left { stretch, way, left, inside };
                 self.store_beam(branch, &there);
-                self.scatter_in_medium(regions, branch, &there, stream);
+                self.scatter_in_medium(branch, &there, stream);
             }
-            left *= medium.transmittance(stretch.length());
+            left *= way.transmittance();
             ControlFlow::<()>::Continue(())
         });
         let Flown::Surface(si) = flown else {
@@ -98,23 +98,22 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
         };
         if let Some(beams) = &mut self.beams {
             kind(beams).push(beam);
+            self.counts.photons_stored += 1;
         }
     }
 
     /// Goes on from one place of the stretch.
-    fn scatter_in_medium(&mut self, regions: &Regions, branch: &Branch<N, T>, there: &Left, stream: &mut Stream) {
+    fn scatter_in_medium(&mut self, branch: &Branch<N, T>, there: &Left, stream: &mut Stream) {
         let may = branch.edge > 1 || self.first_event == FirstEvent::Scatter;
         let Some(bounces) = self.bounces.filter(|bounces| may && branch.bounces < bounces.max) else { return };
         if branch.edge + 1 > self.limits.max_depth {
             self.counts.max_depth += 1;
             return;
         }
-        let (flux, stretch) = (branch.flux.0 * there.left, there.stretch);
-        let medium = regions.get(stretch.medium);
-        let Some((distance, event)) = medium.draw_within(flux, stretch.length(), stream.uniform2()) else { return };
-        let t = stretch.from + distance;
+        let flux = branch.flux.0 * there.left;
+        let Some((t, event)) = there.way.draw_within(flux, stream.uniform2()) else { return };
         let p = branch.origin + branch.w * t;
-        let phase = HenyeyGreenstein::new(medium.asymmetry);
+        let phase = HenyeyGreenstein::new(there.way.medium.asymmetry);
         let next = bounces.sample_in_medium(p, branch.w, &phase, stream);
         let weight = there.left * event * next.weight;
         let share = weight.max_component();
@@ -147,6 +146,7 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
 /// What has got to a stretch of medium.
 struct Left<'a> {
     stretch: &'a Stretch,
+    way: Way<'a>,
     left: Spectrum,
     inside: Inside,
 }

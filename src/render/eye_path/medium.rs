@@ -8,10 +8,10 @@
 use std::ops::ControlFlow;
 
 use super::{EyePathTracer, Walk, survives_roulette};
-use crate::estimate::beams::EyeSegment;
+use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
 use crate::math::Ray;
-use crate::medium::{HenyeyGreenstein, Regions};
+use crate::medium::{HenyeyGreenstein, Regions, Way};
 use crate::radiometry::measure::power_heuristic;
 use crate::render::partition::EyeFinds;
 use crate::sampling::Stream;
@@ -37,13 +37,14 @@ impl EyePathTracer<'_> {
         let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
         let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
         let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
+        let along_rays = asked.is_none_or(|beams| beams.asks_along_rays());
         self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
-            let medium = regions.get(stretch.medium);
+            let (medium, way) = (regions.get(stretch.medium), regions.way(stretch, ray.origin, w));
             if !may_scatter || !medium.scatters() {
-                *beta *= medium.transmittance(stretch.length());
+                *beta *= way.transmittance();
                 return ControlFlow::Continue(());
             }
-            if let Some(beams) = asked
+            if let Some(beams) = asked.filter(|_| along_rays)
                 && (asking == 1.0 || stream.uniform() < asking)
             {
                 let from = stretch.from;
@@ -53,6 +54,7 @@ impl EyePathTracer<'_> {
                     length: stretch.length(),
                     id: stretch.medium,
                     medium,
+                    profile: Way { origin: ray.at(from), from: 0.0, to: stretch.length(), ..way }.profile(),
                     eye: eye.map(|(dx, dw)| (dx + dw * from, dw)),
                     bounces,
                 };
@@ -60,12 +62,20 @@ impl EyePathTracer<'_> {
                     sample.add(kind, *beta * light * (1.0 / asking))
                 });
             }
-            let (event, weight) = medium.draw(*beta, stretch.length(), stream.uniform2());
+            let (event, weight) = way.draw(*beta, stream.uniform2());
             *beta *= weight;
             match event {
                 None => ControlFlow::Continue(()),
-                Some(distance) => {
-                    let t = stretch.from + distance;
+                Some(t) => {
+                    if let Some(beams) = asked.filter(|_| !along_rays)
+                        && (asking == 1.0 || stream.uniform() < asking)
+                    {
+                        let eye = eye.map(|(dx, dw)| dx + dw * t);
+                        let place = Place { p: ray.at(t), w, id: stretch.medium, medium, eye, bounces };
+                        beams.at(&place, scattered, straight, |kind, light| {
+                            sample.add(kind, *beta * light * (1.0 / asking))
+                        });
+                    }
                     ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
                 }
             }

@@ -16,21 +16,18 @@ impl LightTracer<'_> {
     pub(super) fn fly(&self, regions: &Regions, walk: &mut Walk, edge: u32, stream: &mut Stream) -> Flown<MediumPoint> {
         let bounces = self.world.scene.settings.max_bounces;
         let may_scatter = (edge > 1 || self.first_event == FirstEvent::Scatter) && walk.scatter_events <= bounces;
-        let (ray, flux) = (walk.ray, &mut walk.flux);
+        let (ray, w, flux) = (walk.ray, walk.w, &mut walk.flux);
         self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
-            let medium = regions.get(stretch.medium);
-            if !may_scatter || !medium.scatters() {
-                *flux *= medium.transmittance(stretch.length());
+            let way = regions.way(stretch, ray.origin, w);
+            if !may_scatter || !way.medium.scatters() {
+                *flux *= way.transmittance();
                 return ControlFlow::Continue(());
             }
-            let (event, weight) = medium.draw(*flux, stretch.length(), stream.uniform2());
+            let (event, weight) = way.draw(*flux, stream.uniform2());
             *flux *= weight;
             match event {
                 None => ControlFlow::Continue(()),
-                Some(distance) => {
-                    let t = stretch.from + distance;
-                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
-                }
+                Some(t) => ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium }),
             }
         })
     }

@@ -62,7 +62,12 @@ fn medium(item: &MediumDescription, report: &mut Report) -> Medium {
         refuse(format!("has `g` {}", item.g), "a mean cosine is above −1 and below 1; 0 scatters evenly");
     }
     let spectrum = |sigma: [f64; 3]| Spectrum::from(sigma);
-    Medium { absorption: spectrum(item.sigma_a), scattering: spectrum(item.sigma_s), asymmetry: item.g }
+    Medium {
+        absorption: spectrum(item.sigma_a),
+        scattering: spectrum(item.sigma_s),
+        asymmetry: item.g,
+        density: item.density.clone(),
+    }
 }
 
 /// The medium of that name; an unknown one is reported. An empty name stands for one that was reported.

@@ -1,6 +1,8 @@
 //! Materials and their images, by content.
 
 use super::{Canonical, earlier};
+use crate::math::{Point3, Vec3};
+use crate::scene::density::DensityGrid;
 use crate::scene::description::{
     InteriorDescription, MaterialModel, MediumDescription, NormalMapDescription, Parameter, Reference, SceneDescription,
 };
@@ -21,12 +23,27 @@ impl Canonical {
     pub(super) fn medium_named(&mut self, medium: &Reference, description: &SceneDescription) {
         match description.media.iter().find(|m| m.name == medium.name) {
             None => self.tag("unknown medium"),
-            Some(MediumDescription { sigma_a, sigma_s, g, .. }) => {
+            Some(MediumDescription { sigma_a, sigma_s, g, density, .. }) => {
                 self.tag("medium");
                 self.numbers([*sigma_a, *sigma_s].as_flattened());
                 self.numbers(&[*g]);
+                if let Some(grid) = density {
+                    self.density(grid);
+                }
             }
         }
+    }
+
+    fn density(&mut self, grid: &DensityGrid) {
+        let DensityGrid { place, counts, samples, between } = grid;
+        self.tag("density");
+        self.tag(between.name());
+        for count in counts {
+            self.count(*count);
+        }
+        self.singles(&samples.iter().map(|s| [*s; 1]).collect::<Vec<_>>());
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| place.point(Point3::from_vec(p)).to_array());
+        self.numbers(corners.as_flattened());
     }
 
     pub(super) fn material(&mut self, material: &MaterialModel, description: &SceneDescription) {
