@@ -11,14 +11,16 @@ use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::estimate::beams::{self, EyeSegment};
 use crate::film::{Arrival, LightKind};
-use crate::photon::Kinds;
 use crate::photon::beam_map::BeamMap;
+use crate::photon::{Beam, Kinds};
 use crate::radiometry::Spectrum;
+use crate::scene::GroupId;
 use crate::scene::settings::KernelShape;
 
 /// The beams of a pass.
 pub struct BeamLight {
-    maps: Kinds<BeamMap>,
+    /// Of each group of lights, in the order of their ids.
+    maps: Vec<Kinds<BeamMap>>,
     kernel: KernelShape,
 }
 
@@ -34,14 +36,18 @@ impl BeamLight {
         let units = photon_map::units(world, plans, pass);
         let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
         job.watch.phase("beams", units.len() as u64);
-        let mut all = Kinds::<()>::default().map(|()| Vec::new());
+        let groups = &world.scene.light_groups;
+        let mut all: Vec<Kinds<Vec<Beam>>> = vec![Kinds::default(); groups.ids()];
         let trace = |i: usize| photon_map::trace_unit(world, &units[i], spread, cells);
-        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, .. }| {
-            all.append(beams.unwrap_or_default());
+        run_units(&scattered(units.len()), job.watch, trace, |i, Traced { beams, .. }| {
+            all[groups.of(units[i].light()).index()].append(beams.unwrap_or_default());
             job.watch.look(state);
         })?;
         job.watch.finish();
-        Ok(Some(BeamLight { maps: all.map(BeamMap::new), kernel: world.scene.settings.kernel }))
+        Ok(Some(BeamLight {
+            maps: all.into_iter().map(|kinds| kinds.map(BeamMap::new)).collect(),
+            kernel: world.scene.settings.kernel,
+        }))
     }
 
     /// What the beams of each kind bring to the start of a segment; those that were scattered last only where they are asked
@@ -53,12 +59,14 @@ impl BeamLight {
         straight: Arrival,
         mut add: impl FnMut(LightKind, Spectrum),
     ) {
-        for (map, (part, arrival)) in self.maps.as_ref().into_array().into_iter().zip(LIGHT.into_array()) {
+        let maps =
+            GroupId::all().zip(&self.maps).flat_map(|(group, maps)| maps.as_ref().map(|map| (group, map)).into_array());
+        for ((group, map), (part, arrival)) in maps.zip(LIGHT.into_array().into_iter().cycle()) {
             if map.beams.is_empty() || arrival == Arrival::Scattered && !asks_scattered {
                 continue;
             }
             let arrival = if straight == Arrival::Straight { arrival } else { straight };
-            add(LightKind { part, arrival }, beams::radiance(map, self.kernel, segment).0);
+            add(LightKind { part, arrival, group }, beams::radiance(map, self.kernel, segment).0);
         }
     }
 }

@@ -7,6 +7,7 @@ use pdembree::output::{
     BirthCertificate, DumpedPhoton, Format, ReadError, Target, WriteError, exr, photon_dump, png, sidecar,
 };
 use pdembree::scene::RenderSettings;
+use pdembree::scene::named_settings::settings_by_name;
 use pdembree::scene::settings::{Bandwidth, KernelShape, Layer};
 
 fn gradient(width: u32, height: u32, names: &[&str]) -> Image {
@@ -158,7 +159,7 @@ fn a_birth_certificate_is_json_beside_the_picture() {
     };
     let certificate = BirthCertificate {
         schema: sidecar::SCHEMA,
-        settings: sidecar::settings_by_name(&settings),
+        settings: settings_by_name(&settings),
         counters: [("degenerate_footprints".to_owned(), 3)].into(),
         seconds: 1.25,
         ..BirthCertificate::default()
