@@ -1,4 +1,4 @@
-//! The beauty without its noise, by Intel Open Image Denoise where it is installed `[OIDN]`.
+//! The beauty without its noise, by Intel Open Image Denoise where it is installed `[OIDN-docs]`.
 //!
 //! Caustics are left as they are: their bright lines are what the filter takes for noise, and a photon map's own noise is low
 //! already. The rest of the light is denoised, with the help of `albedo` and `N` if the picture has them, and the caustics are

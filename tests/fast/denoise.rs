@@ -28,7 +28,7 @@ fn stub(folder: &Path) -> Option<PathBuf> {
 
 /// The picture of a small ball lens, and what was said.
 fn rendered(folder: &Path, library: &Path, options: &[&str]) -> (Image, String) {
-    let output = folder.join(format!("{}.exr", options.join("")));
+    let output = folder.join(format!("ball{}.exr", options.join("")));
     let mut command = Command::new(env!("CARGO_BIN_EXE_pdembree"));
     command
         .env("PDEMBREE_OIDN", library)

@@ -56,6 +56,7 @@ fn numbers(all: &[f64]) -> String {
 /// `path` as seen from `folder`: without a part in common, as it is.
 fn relative(path: &Path, folder: &Path) -> PathBuf {
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (path, folder) = (absolute(path), absolute(folder));
     let (to, from): (Vec<Component>, Vec<Component>) = (path.components().collect(), folder.components().collect());
     let shared = to.iter().zip(&from).take_while(|(a, b)| a == b).count();

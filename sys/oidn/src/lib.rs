@@ -1,4 +1,4 @@
-//! Intel Open Image Denoise, 1.4 or 2.x, through its C interface `[OIDN]`, found when the program runs: nothing is linked.
+//! Intel Open Image Denoise, 1.4 or 2.x, through its C interface `[OIDN-docs]`, found when the program runs: nothing is linked.
 //!
 //! What · units: pictures are three `f32` a pixel, row by row, linear light without an upper bound; albedo in [0, 1]; normals
 //! of length up to 1. The result has the layout of the colour. One call makes a device of the processor, a filter and releases
