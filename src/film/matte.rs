@@ -62,7 +62,8 @@ impl Matte {
             counts.iter().zip(taken).map(|(counts, &taken)| counts.ranked(&ids, taken)).collect();
         let channel = |i: usize| {
             let name = format!("{}{:02}.{}", self.subject.name(), i / 4, ["R", "G", "B", "A"][i % 4]);
-            let value = |pairs: &[(f32, f32); LEVELS]| if i % 2 == 0 { pairs[i / 2].0 } else { pairs[i / 2].1 };
+            let value =
+                |pairs: &[(f32, f32); LEVELS]| if i.is_multiple_of(2) { pairs[i / 2].0 } else { pairs[i / 2].1 };
             (name, ranked.iter().map(value).collect())
         };
         (0..2 * LEVELS).map(channel).collect()

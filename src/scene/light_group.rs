@@ -67,7 +67,7 @@ impl LightGroups {
     /// `of_light` are the names of the lights' groups.
     pub fn new<'a>(layers: &[GroupLayer], of_light: impl Iterator<Item = &'a str>) -> LightGroups {
         let names = asked(layers);
-        let id = |group: &str| names.iter().position(|name| *name == group).map_or(GroupId::REST, |i| id_of(i));
+        let id = |group: &str| names.iter().position(|name| *name == group).map_or(GroupId::REST, id_of);
         LightGroups { of_light: of_light.map(id).collect(), count: names.len() }
     }
 

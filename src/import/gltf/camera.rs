@@ -23,7 +23,7 @@ pub(super) fn find(cameras: &[&Placed<'_>], wanted: &Reference, source: &Source)
     let of_node = |item: &&Placed<'_>| item.node.name().map(str::to_owned);
     let names: Vec<String> = cameras.iter().filter_map(|item| of_node(item).or_else(|| of_camera(item))).collect();
     let is_wanted = |item: &&Placed<'_>| [of_node(item), of_camera(item)].contains(&Some(wanted.name.clone()));
-    match cameras.iter().position(|item| is_wanted(item)) {
+    match cameras.iter().position(is_wanted) {
         Some(place) => Ok(place),
         None => imported::find("camera", wanted, &names.iter().map(String::as_str).collect::<Vec<_>>(), source),
     }
