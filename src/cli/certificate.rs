@@ -47,6 +47,7 @@ pub fn certificate(
         lights: report.photons_by_light.iter().map(counts).collect(),
         bounced_photons: counts(&report.bounced_photons),
         refused_samples: RefusedSamples::from(film.refused()),
+        denoised: picture.channel("noisy.R").is_some(),
         pixels: picture.digest(),
         warnings: circumstances.warnings,
         threads: circumstances.threads,

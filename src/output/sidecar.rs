@@ -123,6 +123,8 @@ pub struct BirthCertificate {
     /// What became of the photons that may bounce, which bring light that was scattered before.
     pub bounced_photons: BTreeMap<String, u64>,
     pub refused_samples: RefusedSamples,
+    /// Whether its beauty was denoised; what was rendered is then in the layer `noisy`.
+    pub denoised: bool,
     /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
     pub pixels: String,
     pub warnings: Vec<String>,

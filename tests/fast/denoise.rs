@@ -57,6 +57,9 @@ fn all_light_but_caustics_is_denoised_and_the_noisy_picture_kept() {
     let layers = |image: &Image, name: &str| image.rgb(name).map(|rgb| rgb.map(<[f32]>::to_vec)).expect("the layer");
     assert_eq!(layers(&smooth, "noisy"), layers(&plain, ""));
     assert!(plain.channel("noisy.R").is_none());
+    let certificate = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a certificate");
+    assert!(certificate("ball--denoise=on.exr.json").contains("\"denoised\": true"));
+    assert!(certificate("ball.exr.json").contains("\"denoised\": false"));
     let [beauty, caustic, albedo] = ["", "caustic", "albedo"].map(|name| layers(&plain, name));
     let lit = caustic[0].iter().filter(|c| **c > 0.0).count();
     assert!(lit > 10, "{lit} pixels with caustics");
