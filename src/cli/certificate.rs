@@ -57,6 +57,7 @@ pub fn certificate(
             counts(&report.beam_photons)
         },
         refused_samples: RefusedSamples::from(film.refused()),
+        denoised: picture.channel("noisy.R").is_some(),
         pixels: picture.digest(),
         warnings: circumstances.warnings,
         threads: circumstances.threads,

@@ -6,8 +6,8 @@ use std::process::ExitCode;
 
 use pdembree::import::is_foreign;
 use pdembree::output::exr;
-use pdembree::output::sidecar::settings_by_name;
 use pdembree::scene::Scene;
+use pdembree::scene::named_settings::settings_by_name;
 
 use super::check::triangles;
 use super::console::{Verbosity, print, print_json};

@@ -41,9 +41,9 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
         return Ok(ExitCode::SUCCESS);
     }
     let Merged { info, state, missing } = store::merge(&args.parts, args.partial)?;
-    let warnings: Vec<String> = missing.into_iter().collect();
+    let (picture, told) = args.output.finished(state.film.resolve());
+    let warnings: Vec<String> = missing.into_iter().chain(told).collect();
     warnings.iter().for_each(|warning| note(verbosity, "warning", warning));
-    let picture = state.film.resolve();
     let seconds = start.elapsed().as_secs_f64();
     let circumstances = Circumstances { threads: 1, seconds, phases: Vec::new(), warnings };
     let certificate = BirthCertificate { parts: Some(parts), ..certificate(&info, &state, &picture, circumstances) };

@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod completions;
 mod console;
+mod convert;
 mod crew;
 mod crosscheck;
 mod eta;
@@ -63,6 +64,7 @@ enum Command {
     Check(check::Args),
     Compare(compare::Args),
     Study(study::Args),
+    Convert(convert::Args),
     Info(info::Args),
     Completions(completions::Args),
     Man(man::Args),
@@ -82,6 +84,7 @@ pub fn run() -> ExitCode {
         Command::Check(args) => check::run(&args, verbosity),
         Command::Compare(args) => compare::run(&args),
         Command::Study(args) => study::run(&args, verbosity),
+        Command::Convert(args) => convert::run(&args, verbosity),
         Command::Info(args) => info::run(&args, verbosity),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

@@ -2,14 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use clap::builder::PossibleValuesParser;
 use pdembree::film::Image;
+use pdembree::output::denoise::{WANTED_LAYERS, denoise};
 use pdembree::output::exr::Window;
 use pdembree::output::part::EXTENSION;
 use pdembree::output::target::probe;
-use pdembree::output::{BirthCertificate, Format, PartInfo, Target, WriteError, exr, png};
+use pdembree::output::{BirthCertificate, ChannelNames, Format, PartInfo, Target, WriteError, cryptomatte, exr, png};
 use pdembree::render::RenderState;
 use pdembree::render::progress::Progress;
 use pdembree::render::store;
+use pdembree::scene::settings::Layer;
 
 use super::failure::{Failure, code};
 use super::number::finite;
@@ -26,6 +29,16 @@ pub struct OutputArgs {
     /// Multiply PNGs by 2^STOPS
     #[arg(long, value_name = "STOPS", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
     pub exposure: f64,
+    /// Names of the EXR's channels: our own, or those that pbrt's imgtool or Blender look for
+    #[arg(long, value_name = "NAMES", default_value = "own", value_parser = PossibleValuesParser::new(ChannelNames::NAMES))]
+    pub exr_names: String,
+    /// Take the noise of the picture away by Intel Open Image Denoise, if it is installed; `on` says so if it is not.
+    /// Caustics stay as they are; what was rendered is kept in the layer `noisy`
+    #[arg(long, value_name = "WHEN", default_value = "off", value_parser = PossibleValuesParser::new(["auto", "on", "off"]))]
+    pub denoise: String,
+    /// Denoise caustics, too
+    #[arg(long)]
+    pub denoise_caustics: bool,
     /// Make the folders of the outputs
     #[arg(long)]
     pub make_path: bool,
@@ -43,15 +56,41 @@ impl OutputArgs {
         &self,
         absolute: impl Fn(&Path) -> Result<PathBuf, Failure>,
     ) -> Result<Vec<String>, Failure> {
-        let mut all = vec![format!("--exposure={}", self.exposure)];
+        let mut all = vec![format!("--exposure={}", self.exposure), format!("--exr-names={}", self.exr_names)];
+        all.push(format!("--denoise={}", self.denoise));
         for (name, path) in [("--png", &self.png), ("--stats", &self.stats)] {
             if let Some(path) = path {
                 all.push(format!("{name}={}", absolute(path)?.display()));
             }
         }
-        let flags = [("--make-path", self.make_path), ("--no-timestamps", self.no_timestamps)];
+        let flags = [
+            ("--make-path", self.make_path),
+            ("--no-timestamps", self.no_timestamps),
+            ("--denoise-caustics", self.denoise_caustics),
+        ];
         all.extend(flags.iter().filter(|(_, given)| *given).map(|(name, _)| (*name).to_owned()));
         Ok(all)
+    }
+}
+
+impl OutputArgs {
+    /// Layers that denoising needs, if it is wanted.
+    pub fn add_layers(&self, layers: &mut Vec<Layer>) {
+        let wanted = WANTED_LAYERS.iter().filter_map(|name| Layer::from_name(name)).filter(|_| self.denoise != "off");
+        let missing: Vec<Layer> = wanted.filter(|layer| !layers.contains(layer)).collect();
+        layers.extend(missing);
+    }
+
+    /// The picture as it is wanted, and what is to be said about it. A picture that cannot be denoised is a picture.
+    pub fn finished(&self, picture: Image) -> (Image, Option<String>) {
+        if self.denoise == "off" {
+            return (picture, None);
+        }
+        match denoise(&picture, self.denoise_caustics) {
+            Ok(smooth) => (smooth, None),
+            Err(error) if error.is_absent() && self.denoise == "auto" => (picture, None),
+            Err(error) => (picture, Some(format!("not denoised: {error}"))),
+        }
     }
 }
 
@@ -135,9 +174,11 @@ impl<'a> Outputs<'a> {
         let bounds = state.film.bounds();
         let window = Window { origin: [bounds.x0, bounds.y0], whole: info.identity.resolution };
         let attributes = certificate.attributes(!self.args.no_timestamps);
+        let names = ChannelNames::from_name(&self.args.exr_names).unwrap_or_default();
+        let mattes = cryptomatte::attributes(state.film.layout(), names);
         for target in self.picture.iter().chain(&self.png) {
             match target.format() {
-                Format::Exr => exr::write_window(target.path(), image, window, &attributes)?,
+                Format::Exr => exr::write_named(target.path(), image, window, &attributes, (names, &mattes))?,
                 Format::Png => png::write(target.path(), image, self.args.exposure)?,
             }
         }

@@ -142,7 +142,8 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     Outputs::check_names(&args.output)?;
     let viewer = open_viewer(args)?;
     let threads = args.work.start_threads()?;
-    let loaded = args.scene.load(verbosity)?;
+    let mut loaded = args.scene.load(verbosity)?;
+    args.output.add_layers(&mut loaded.scene.settings.layers);
     let is_a_part = args.part.pass_range.is_some() || args.part.tile.is_some();
     let outputs = Outputs::check(&args.output, is_a_part)?;
     let reporter = args.work.reporter(verbosity);
@@ -180,9 +181,10 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     }
 
     let Some(state) = crew.gather(&info, state)? else { return Ok(ExitCode::SUCCESS) };
-    let found = findings(&world, &state, &plan.budget);
+    let (picture, told) = args.output.finished(state.film.resolve());
+    let mut found = findings(&world, &state, &plan.budget);
+    found.extend(told);
     let warnings = loaded.warnings.iter().map(ToString::to_string).chain(found.iter().cloned()).collect();
-    let picture = state.film.resolve();
     let seconds = start.elapsed().as_secs_f64();
     let certificate =
         certificate(&info, &state, &picture, Circumstances { threads, seconds, phases: reporter.phases(), warnings });

@@ -6,10 +6,12 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use pdembree::import::{self, Loaded, Override};
+use pdembree::scene::GroupLayer;
 use pdembree::scene::settings::{
     BackendKind, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape,
     Layer, Method,
 };
+use pdembree::scene::spelling::nearest;
 
 use super::console::Verbosity;
 use super::failure::Failure;
@@ -26,6 +28,12 @@ pub struct SceneArgs {
     /// Of a pbrt file leave out what cannot be rendered, with a warning
     #[arg(long)]
     lenient: bool,
+    /// Take this camera of a glTF file that has several
+    #[arg(short = 'c', long, value_name = "NAME")]
+    camera: Option<String>,
+    /// Show this variant of a glTF file's materials
+    #[arg(long, value_name = "NAME")]
+    variant: Option<String>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -91,12 +99,23 @@ struct SettingsArgs {
     /// Diffuse bounces of a path at most
     #[arg(long, env = "PDEMBREE_MAX_BOUNCES", value_name = "N")]
     max_bounces: Option<u32>,
-    /// EXR layers beside the beauty, separated by commas
-    #[arg(
-        long, env = "PDEMBREE_LAYERS", value_delimiter = ',', value_name = "LAYER,...",
-        value_parser = PossibleValuesParser::new(Layer::NAMES)
-    )]
+    /// EXR layers beside the beauty, separated by commas; with caustic_G, direct_G, indirect_G, G a group of lights or *
+    #[arg(long, env = "PDEMBREE_LAYERS", value_delimiter = ',', value_name = "LAYER,...", value_parser = layer)]
     layers: Option<Vec<String>>,
+}
+
+/// A layer or a group's share of one, as the scene file spells it.
+fn layer(text: &str) -> Result<String, String> {
+    if Layer::from_name(text).is_some() || GroupLayer::from_name(text).is_some() {
+        return Ok(text.to_owned());
+    }
+    Err(match nearest(text, Layer::NAMES) {
+        Some(near) => format!("did you mean {near}?"),
+        None => format!(
+            "layers are {}, and direct_G, caustic_G, indirect_G for a group G of lights",
+            Layer::NAMES.join(", ")
+        ),
+    })
 }
 
 fn define(text: &str) -> Result<Override, String> {
@@ -175,7 +194,10 @@ impl SceneArgs {
     /// What the command line and the environment put over the scene file, the strongest last.
     pub fn overrides(&self) -> Vec<Override> {
         let lenient = self.lenient.then(|| Override::new("lenient", "true"));
-        [self.define.clone(), lenient.into_iter().collect(), self.settings.overrides()].concat()
+        let named =
+            |key: &str, name: &Option<String>| name.as_ref().map(|name| Override::new(key, format!("{name:?}")));
+        let chosen = [lenient, named("camera.from", &self.camera), named("variant", &self.variant)];
+        [self.define.clone(), chosen.into_iter().flatten().collect(), self.settings.overrides()].concat()
     }
 
     /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.

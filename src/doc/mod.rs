@@ -6,6 +6,9 @@ pub mod notation {}
 #[doc = include_str!("scene_format.md")]
 pub mod scene_format {}
 
+#[doc = include_str!("layers.md")]
+pub mod layers {}
+
 #[doc = include_str!("gltf.md")]
 pub mod gltf {}
 

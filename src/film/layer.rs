@@ -1,7 +1,7 @@
 //! The layers of a picture: what each one means, its EXR channels, and the eye sample that fills them.
 //!
-//! Units: radiance layers in W/(m²·sr), linear Rec.709; `Z` in metres; `photons.density` in photons per m², `variance` in (W/(m²·sr))²; `N` and
-//! `albedo` have none. Frame: `N` in world space, `Z` along the camera's view axis.
+//! Units: radiance layers in W/(m²·sr), linear Rec.709; `Z` and `P` in metres; `photons.density` in photons per m², `variance` in (W/(m²·sr))²; `N` and
+//! `albedo` have none. Frame: `N` and `P` in world space, `Z` along the camera's view axis.
 //!
 //! | layer | channels | meaning |
 //! | --- | --- | --- |
@@ -15,17 +15,27 @@
 //! | `sent_back` | `sent_back.R G B` | over these, but scattered before, L … D S⁺ D |
 //! | `scattered` | `scattered.R G B` | straight from another surface that scatters, L … D D |
 //! | `N` | `N.X Y Z` | shading normal at the first vertex that is not specular, so that a denoiser sees the floor behind the glass; 0 where there is none |
+//! | `direct_G`, `caustic_G`, `indirect_G` | `caustic_G.R G B` | the share that the lights of group `G` have in that layer; those of all groups add up to it |
+//! | `P` | `P.X Y Z` | where the eye's ray first hit, mean of the samples that hit; 0 where A = 0 |
 //! | `Z` | `Z` | depth of the first hit, mean of the samples that hit; 0 where A = 0 |
 //! | `albedo` | `albedo.R G B` | reflectance at the vertex where `N` is taken |
 //! | `photons` | `photons.density` | Σ K/A over the photons whose footprints cover that vertex: the photon density that the estimate saw |
+//! | `crypto_object`, `crypto_material` | `CryptoObject00.R` … | Cryptomatte: which objects, or materials, the samples hit first ([`super::matte`]) |
 //! | `variance` | `variance.Y` | variance of the mean luminance, from how much the passes differ; 0 with one pass |
 
+use super::layout::GroupShare;
 use super::light::{Arrival, LightKind, Part};
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;
 use crate::scene::settings::Layer;
+use crate::scene::{LightGroups, MaterialId, ObjectId};
 
 impl Layer {
+    /// Whether its mean is that of the samples that hit something.
+    pub(super) const fn is_of_hits(self) -> bool {
+        matches!(self, Layer::Depth | Layer::Position)
+    }
+
     /// The EXR channels that this layer fills, in the order of [`EyeSample`]'s components.
     pub const fn channels(self) -> &'static [&'static str] {
         match self {
@@ -39,9 +49,12 @@ impl Layer {
             Layer::Scattered => &["scattered.R", "scattered.G", "scattered.B"],
             Layer::Normal => &["N.X", "N.Y", "N.Z"],
             Layer::Depth => &["Z"],
+            Layer::Position => &["P.X", "P.Y", "P.Z"],
             Layer::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
             Layer::Photons => &["photons.density"],
             Layer::Variance => &["variance.Y"],
+            // Counted, not summed.
+            Layer::CryptoObject | Layer::CryptoMaterial => &[],
         }
     }
 }
@@ -49,8 +62,15 @@ impl Layer {
 /// The beauty's channels; their place is the start of every pixel's record.
 pub(super) const BEAUTY: [&str; 4] = ["R", "G", "B", "A"];
 
-/// What one path from the eye brought back. [`EyeSample::add`] shares its light out to parts and arrivals.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// What the eye's ray met first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Met {
+    pub object: ObjectId,
+    pub material: MaterialId,
+}
+
+/// What one path from the eye brought back. [`EyeSample::add`] shares its light out to parts, arrivals and groups.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct EyeSample {
     /// W/(m²·sr)
     pub(super) direct: Spectrum,
@@ -60,6 +80,12 @@ pub struct EyeSample {
     pub(super) indirect: Spectrum,
     /// The same light by its [`Arrival`], in the enum's order.
     pub(super) arrived: [Spectrum; Arrival::COUNT],
+    /// The parts, in the enum's order, of each group of lights; empty where none is kept apart.
+    pub(super) by_group: Vec<[Spectrum; Part::COUNT]>,
+    /// The first surface, if it is one and no medium.
+    pub met: Option<Met>,
+    /// World-space place of the first hit.
+    pub position: Vec3,
     /// Metres along the view axis to the first hit; `None`: the ray left the scene.
     pub depth: Option<f64>,
     /// World-space shading normal at the first vertex that is not specular; zero if there is none.
@@ -71,6 +97,12 @@ pub struct EyeSample {
 }
 
 impl EyeSample {
+    /// Without light. It tells apart what `groups` say.
+    pub fn of(groups: &LightGroups) -> EyeSample {
+        let kept = if groups.ids() > 1 { groups.ids() } else { 0 };
+        EyeSample { by_group: vec![Default::default(); kept], ..EyeSample::default() }
+    }
+
     /// Adds light, W/(m²·sr).
     pub fn add(&mut self, kind: LightKind, light: Spectrum) {
         let part = match kind.part {
@@ -80,6 +112,14 @@ impl EyeSample {
         };
         *part += light;
         self.arrived[kind.arrival as usize] += light;
+        if let Some(parts) = self.by_group.get_mut(kind.group.index()) {
+            parts[kind.part as usize] += light;
+        }
+    }
+
+    /// A group's share of a part.
+    pub(super) fn of_group(&self, GroupShare { part, group, .. }: &GroupShare) -> Spectrum {
+        self.by_group.get(group.index()).map_or(Spectrum::BLACK, |parts| parts[*part as usize])
     }
 
     /// All light of the sample, W/(m²·sr).
@@ -104,60 +144,11 @@ impl EyeSample {
             Layer::Scattered => self.arrived(Arrival::Scattered),
             Layer::Normal => self.normal.to_array(),
             Layer::Depth => [self.depth.unwrap_or(0.0), 0.0, 0.0],
+            Layer::Position => self.position.to_array(),
             Layer::Albedo => self.albedo.to_array(),
             Layer::Photons => [self.photon_density, 0.0, 0.0],
             // Known of passes, not of samples.
-            Layer::Variance => [0.0; 3],
+            Layer::Variance | Layer::CryptoObject | Layer::CryptoMaterial => [0.0; 3],
         }
-    }
-}
-
-/// Where each layer stands in a pixel's record of `f64` sums: the beauty first, then the layers as they were asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Layout {
-    layers: Vec<Layer>,
-    stride: usize,
-}
-
-impl Layout {
-    /// Repeated layers are taken once.
-    pub fn new(layers: &[Layer]) -> Layout {
-        let mut unique = Vec::with_capacity(layers.len());
-        for &layer in layers {
-            if !unique.contains(&layer) {
-                unique.push(layer);
-            }
-        }
-        let stride = BEAUTY.len() + unique.iter().map(|layer| layer.channels().len()).sum::<usize>();
-        Layout { layers: unique, stride }
-    }
-
-    /// The layers beside the beauty.
-    pub fn layers(&self) -> &[Layer] {
-        &self.layers
-    }
-
-    /// Numbers in a pixel's record.
-    pub fn stride(&self) -> usize {
-        self.stride
-    }
-
-    /// Whether `layer` is recorded; renderers may skip the work for those that are not.
-    pub fn has(&self, layer: Layer) -> bool {
-        self.layers.contains(&layer)
-    }
-
-    /// Each layer with the place of its first number.
-    pub(super) fn offsets(&self) -> impl Iterator<Item = (Layer, usize)> + '_ {
-        self.layers.iter().scan(BEAUTY.len(), |next, &layer| {
-            let offset = *next;
-            *next += layer.channels().len();
-            Some((layer, offset))
-        })
-    }
-
-    /// Channel names in the order of the record.
-    pub fn channel_names(&self) -> impl Iterator<Item = &'static str> + '_ {
-        BEAUTY.into_iter().chain(self.layers.iter().flat_map(|layer| layer.channels().iter().copied()))
     }
 }

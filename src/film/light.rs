@@ -1,5 +1,6 @@
 //! How light is told apart: by the part of the picture that it belongs to, and by how it has reached what the eye sees.
 
+use crate::scene::GroupId;
 use crate::scene::settings::Layer;
 
 /// What artists handle apart. The three parts add up to the beauty.
@@ -26,14 +27,22 @@ pub enum Arrival {
     Scattered,
 }
 
-/// Both of them for one path's light.
+/// Both of them for one path's light, and whose light it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightKind {
     pub part: Part,
     pub arrival: Arrival,
+    pub group: GroupId,
 }
 
 impl Part {
+    pub(super) const COUNT: usize = 3;
+
+    /// The part that a layer holds, if it holds one.
+    pub(super) fn of_layer(layer: Layer) -> Option<Part> {
+        [Part::Direct, Part::Caustic, Part::Indirect].into_iter().find(|part| part.layer() == layer)
+    }
+
     pub(super) const fn layer(self) -> Layer {
         match self {
             Part::Direct => Layer::Direct,

@@ -89,8 +89,9 @@ impl SplatBuffer {
 mod tests {
     use super::*;
     use crate::film::{Arrival, Part};
+    use crate::scene::GroupId;
 
-    const DIRECT: LightKind = LightKind { part: Part::Direct, arrival: Arrival::Straight };
+    const DIRECT: LightKind = LightKind { part: Part::Direct, arrival: Arrival::Straight, group: GroupId::REST };
 
     /// Whatever the position, the pixels' weights are samples of a density whose integral over positions is 1: its
     /// mean over a fine grid of positions inside one pixel, summed over the pixels hit, is 1.

@@ -6,11 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::error::Moments;
 use super::exact::{ExactSquares, ExactSum};
-use super::layer::Layout;
+use super::layout::Layout;
+use super::matte::Counts;
 use super::refused::Refused;
 use super::sums::Film;
 use super::tile::PixelBounds;
 use super::under_way::{UnderWay, UnitSet};
+use crate::scene::GroupLayer;
 use crate::scene::settings::Layer;
 
 /// All of a film but its sums.
@@ -18,6 +20,9 @@ use crate::scene::settings::Layer;
 pub struct FilmShape {
     pub bounds: PixelBounds,
     pub layers: Vec<String>,
+    /// Names of what each matte tells apart.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    names: Vec<Vec<String>>,
     pub first_pass: u32,
     pub passes: u32,
     has_splats: bool,
@@ -35,8 +40,20 @@ fn invalid(reason: impl Into<String>) -> io::Error {
 
 impl FilmShape {
     fn layout(&self) -> io::Result<Layout> {
-        let layer = |name: &String| Layer::from_name(name).ok_or_else(|| invalid(format!("no layer {name:?}")));
-        Ok(Layout::new(&self.layers.iter().map(layer).collect::<io::Result<Vec<_>>>()?))
+        let (mut layers, mut grouped) = (Vec::new(), Vec::new());
+        for name in &self.layers {
+            match (Layer::from_name(name), GroupLayer::from_name(name)) {
+                (Some(layer), _) => layers.push(layer),
+                (None, Some(layer)) => grouped.push(layer),
+                (None, None) => return Err(invalid(format!("no layer {name:?}"))),
+            }
+        }
+        let layout = Layout::of(&layers, &grouped);
+        if layout.mattes().len() != self.names.len() {
+            return Err(invalid("its mattes have no names"));
+        }
+        let mut names = self.names.iter();
+        Ok(layout.naming(|_| names.next().cloned().unwrap_or_default()))
     }
 
     fn pixels(&self) -> io::Result<usize> {
@@ -52,7 +69,8 @@ impl Film {
     pub fn shape(&self) -> FilmShape {
         FilmShape {
             bounds: self.bounds,
-            layers: self.layout.layers().iter().map(|layer| layer.name().to_owned()).collect(),
+            layers: self.layout.names(),
+            names: self.layout.mattes().iter().map(|matte| matte.names.to_vec()).collect(),
             first_pass: self.first_pass,
             passes: self.passes,
             has_splats: !self.splats.is_empty(),
@@ -68,7 +86,8 @@ impl Film {
         write_all(out, &self.taken, |n| n.to_le_bytes())?;
         write_all(out, &self.moments, |moments| moments.sum.to_le_bytes())?;
         write_all(out, &self.moments, |moments| moments.squares.to_le_bytes())?;
-        write_all(out, &self.under_way.luminance, |sum| sum.to_le_bytes())
+        write_all(out, &self.under_way.luminance, |sum| sum.to_le_bytes())?;
+        self.mattes.iter().flatten().try_for_each(|counts| write_counts(out, counts))
     }
 
     /// # Errors
@@ -83,12 +102,15 @@ impl Film {
         let means = read_all(from, pixels, ExactSum::from_le_bytes)?;
         let squares = read_all(from, pixels, ExactSquares::from_le_bytes)?;
         let luminance = read_all(from, pixels, ExactSum::from_le_bytes)?;
+        let mattes = layout.mattes().iter().map(|matte| read_counts(from, pixels, matte.names.len()));
+        let mattes = mattes.collect::<io::Result<Vec<_>>>()?;
         let added = shape.added.clone().map(UnitSet::from_words);
         Ok(Film {
             bounds: shape.bounds,
             layout,
             sums,
             taken,
+            mattes,
             splats,
             first_pass: shape.first_pass,
             passes: shape.passes,
@@ -120,4 +142,36 @@ fn read_all<T, const N: usize>(from: &mut impl Read, count: usize, value: impl F
         values.extend(block.as_chunks().0.iter().map(|&chunk| value(chunk)));
     }
     Ok(values)
+}
+
+/// The number of things, then each with its count, in the order of their numbers.
+fn write_counts(out: &mut impl Write, Counts(counts): &Counts) -> io::Result<()> {
+    out.write_all(&(counts.len() as u32).to_le_bytes())?;
+    counts.iter().try_for_each(|(thing, count)| {
+        out.write_all(&thing.to_le_bytes())?;
+        out.write_all(&count.to_le_bytes())
+    })
+}
+
+/// Of `pixels` pixels; things are numbered below `things`.
+fn read_counts(from: &mut impl Read, pixels: usize, things: usize) -> io::Result<Vec<Counts>> {
+    let mut all = Vec::new();
+    for _ in 0..pixels {
+        let mut counts = Counts::default();
+        for _ in 0..u32::from_le_bytes(bytes_of(from)?) {
+            let thing = u32::from_le_bytes(bytes_of(from)?);
+            let is_new = counts.0.insert(thing, u64::from_le_bytes(bytes_of(from)?)).is_none();
+            if !is_new || thing as usize >= things {
+                return Err(invalid("its mattes make no sense"));
+            }
+        }
+        all.push(counts);
+    }
+    Ok(all)
+}
+
+fn bytes_of<const N: usize>(from: &mut impl Read) -> io::Result<[u8; N]> {
+    let mut bytes = [0; N];
+    from.read_exact(&mut bytes)?;
+    Ok(bytes)
 }

@@ -3,7 +3,9 @@
 use super::error::{MeanError, Moments, Noise};
 use super::exact::ExactSum;
 use super::image::{Channel, Image};
-use super::layer::{BEAUTY, Layout};
+use super::layer::BEAUTY;
+use super::layout::{GroupShare, Layout};
+use super::matte::Counts;
 use super::refused::Refused;
 use super::splat::SplatBuffer;
 use super::tile::{PixelBounds, Tile};
@@ -21,6 +23,8 @@ pub struct Film {
     pub(crate) layout: Layout,
     pub(crate) sums: Vec<ExactSum>,
     pub(crate) taken: Vec<u64>,
+    /// Of each of the layout's mattes.
+    pub(crate) mattes: Vec<Vec<Counts>>,
     /// Same records as `sums`; empty until the first splat.
     pub(crate) splats: Vec<ExactSum>,
     /// Number of the first pass, and how many were ended.
@@ -33,12 +37,12 @@ pub struct Film {
 
 impl Film {
     /// For the part `bounds` of a picture, from pass `first_pass` on.
-    pub fn new(bounds: PixelBounds, first_pass: u32, layers: &[Layer]) -> Film {
-        let layout = Layout::new(layers);
+    pub fn new(bounds: PixelBounds, first_pass: u32, layout: Layout) -> Film {
         let pixels = bounds.pixels();
         Film {
             bounds,
             sums: vec![ExactSum::default(); pixels * layout.stride()],
+            mattes: vec![vec![Counts::default(); pixels]; layout.mattes().len()],
             layout,
             taken: vec![0; pixels],
             splats: Vec::new(),
@@ -91,6 +95,9 @@ impl Film {
             for (sum, &value) in self.sums[records].iter_mut().zip(&tile.sums[from * stride..]) {
                 sum.merge(value);
             }
+            for (counts, own) in self.mattes.iter_mut().zip(&tile.mattes) {
+                counts[to.clone()].iter_mut().zip(&own[from..]).for_each(|(sum, term)| sum.merge(term));
+            }
             let pixels = self.under_way.luminance[to.clone()].iter_mut().zip(&mut self.taken[to]);
             let tile_pixels = tile.sums[from * stride..].chunks_exact(stride).zip(&tile.taken[from..]);
             for ((luminance, sum), (record, &taken)) in pixels.zip(tile_pixels) {
@@ -122,6 +129,12 @@ impl Film {
             }
             let layers = splat.kind.layers();
             for (_, offset) in self.layout.offsets().filter(|(layer, _)| layers.contains(layer)) {
+                for (sum, v) in record[offset..].iter_mut().zip(value) {
+                    sum.add(v);
+                }
+            }
+            let is_of_splat = |share: &GroupShare| (share.part, share.group) == (splat.kind.part, splat.kind.group);
+            for (_, offset) in self.layout.shares().filter(|(share, _)| is_of_splat(share)) {
                 for (sum, v) in record[offset..].iter_mut().zip(value) {
                     sum.add(v);
                 }
@@ -173,6 +186,9 @@ impl Film {
                 merge(&mut self.splats[to_records], &part.splats[from_records]);
             }
             self.taken[to.clone()].iter_mut().zip(&part.taken[from.clone()]).for_each(|(sum, term)| *sum += term);
+            for (sums, terms) in self.mattes.iter_mut().zip(&part.mattes) {
+                sums[to.clone()].iter_mut().zip(&terms[from.clone()]).for_each(|(sum, term)| sum.merge(term));
+            }
             self.moments[to].iter_mut().zip(&part.moments[from]).for_each(|(sum, term)| sum.merge(term));
         }
         self.refused.merge(&part.refused);
@@ -200,18 +216,18 @@ impl Film {
     /// partial picture has its right scale.
     pub fn resolve(&self) -> Image {
         let stride = self.layout.stride();
-        let place_of =
-            |wanted: Layer| self.layout.offsets().find(|&(layer, _)| layer == wanted).map(|(_, offset)| offset);
-        let (depth, variance) = (place_of(Layer::Depth), place_of(Layer::Variance));
+        let variance = self.layout.offsets().find(|&(layer, _)| layer == Layer::Variance).map(|(_, offset)| offset);
+        let of_hits = self.layout.offsets().filter(|(layer, _)| layer.is_of_hits());
+        let of_hits: Vec<usize> = of_hits.flat_map(|(layer, first)| first..first + layer.channels().len()).collect();
         // Splats of a pass under way are not all there yet: the picture is a little dark rather than too bright.
         let splatting = [Exposure::LightToCasters, Exposure::LightToAll].iter().any(|&e| !self.added(e).is_empty());
         let passes = f64::from((self.passes + u32::from(splatting)).max(1));
         let channels = self.layout.channel_names().enumerate().map(|(place, name)| {
             let mean = |pixel: usize| {
                 let record = pixel * stride;
-                // Depth is the mean over the samples that hit: the sum of coverages.
+                // The samples that hit: the sum of coverages.
                 let count =
-                    if depth == Some(place) { self.sums[record + ALPHA].value() } else { self.taken[pixel] as f64 };
+                    if of_hits.contains(&place) { self.sums[record + ALPHA].value() } else { self.taken[pixel] as f64 };
                 let mean = if count > 0.0 { self.sums[record + place].value() / count } else { 0.0 };
                 mean + self.splats.get(record + place).map_or(0.0, |sum| sum.value() / passes)
             };
@@ -219,8 +235,11 @@ impl Film {
                 self.moments[pixel].mean_error(self.passes).map_or(0.0, |known| known.standard_error.powi(2))
             };
             let value = |pixel| if variance == Some(place) { error(pixel) } else { mean(pixel) };
-            Channel { name: name.to_owned(), samples: (0..self.taken.len()).map(|p| value(p) as f32).collect() }
+            Channel { name, samples: (0..self.taken.len()).map(|p| value(p) as f32).collect() }
         });
+        let mattes = self.layout.mattes().iter().zip(&self.mattes);
+        let mattes = mattes.flat_map(|(matte, counts)| matte.channels(counts, &self.taken));
+        let channels = channels.chain(mattes.map(|(name, samples)| Channel { name, samples }));
         Image { width: self.bounds.width(), height: self.bounds.height(), channels: channels.collect() }
     }
 }

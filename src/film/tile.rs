@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::exact::ExactSum;
-use super::layer::{EyeSample, Layout};
+use super::layer::EyeSample;
+use super::layout::Layout;
+use super::matte::Counts;
 use super::refused::{Refused, RefusedSample, check_sample};
 
 /// Pixels `x0 ≤ x < x1`, `y0 ≤ y < y1`; (0, 0) is the top left one.
@@ -63,6 +65,8 @@ pub struct Tile {
     pub(super) sums: Vec<ExactSum>,
     /// Samples taken, one number a pixel.
     pub(super) taken: Vec<u32>,
+    /// Of each of the layout's mattes.
+    pub(super) mattes: Vec<Vec<Counts>>,
     pub(super) refused: Refused,
 }
 
@@ -75,6 +79,7 @@ impl Tile {
             layout: layout.clone(),
             sums: vec![ExactSum::default(); pixels * layout.stride()],
             taken: vec![0; pixels],
+            mattes: vec![vec![Counts::default(); pixels]; layout.mattes().len()],
             refused: Refused::default(),
         }
     }
@@ -104,6 +109,16 @@ impl Tile {
             let values = sample.values(layer);
             for (sum, value) in record[offset..].iter_mut().zip(&values[..layer.channels().len()]) {
                 sum.add(*value);
+            }
+        }
+        for (share, offset) in self.layout.shares() {
+            for (sum, value) in record[offset..].iter_mut().zip(sample.of_group(share).to_array()) {
+                sum.add(value);
+            }
+        }
+        for (matte, pixels) in self.layout.mattes().iter().zip(&mut self.mattes) {
+            if let Some(thing) = matte.met(sample) {
+                pixels[pixel].add(thing);
             }
         }
     }

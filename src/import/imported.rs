@@ -2,10 +2,37 @@
 
 use crate::scene::description::{
     CameraDescription, LightDescription, MaterialDescription, MediumDescription, MeshDescription, ObjectDescription,
-    TextureDescription,
+    Reference, TextureDescription,
 };
 use crate::scene::error::{Problem, Source};
 use crate::scene::settings::RenderSettings;
+use crate::scene::spelling::nearest;
+
+/// Which of several things in a file are taken.
+#[derive(Clone, Debug, Default)]
+pub struct Wanted {
+    /// The camera of that name; the first without.
+    pub camera: Option<Reference>,
+    /// The variant of that name; the materials that the file shows without.
+    pub variant: Option<Reference>,
+    /// Whether what of a pbrt file cannot be rendered is left out, with a warning.
+    pub lenient: bool,
+}
+
+/// The place of the name that is wanted among `names`, of things of this `kind` in a file.
+///
+/// # Errors
+/// It is none of them.
+pub(super) fn find(kind: &str, wanted: &Reference, names: &[&str], file: &Source) -> Result<usize, Problem> {
+    names.iter().position(|name| *name == wanted.name).ok_or_else(|| {
+        let help = match nearest(&wanted.name, names) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if names.is_empty() => format!("it has no {kind} with a name"),
+            None => format!("it has: {}", names.join(", ")),
+        };
+        Problem::new(format!("{file} has no {kind} `{}`", wanted.name)).help(help).at(&wanted.source)
+    })
+}
 
 /// A glTF or pbrt file that was read.
 pub struct Imported {

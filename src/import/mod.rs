@@ -67,6 +67,38 @@ pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Load
     finish(native::describe(path, text, overrides))
 }
 
+/// A scene file made of a file of another program.
+#[derive(Clone, Debug)]
+pub struct Converted {
+    pub text: String,
+    /// What is probably not meant in the file.
+    pub warnings: Vec<Problem>,
+}
+
+/// The text of a scene file at `output` that takes the glTF or pbrt file `input` in and repeats its camera, settings,
+/// materials and lights.
+///
+/// # Errors
+/// Everything that is wrong with the file; or what is written would not be the same scene.
+pub fn convert(input: &Path, output: &Path, lenient: bool) -> Result<Converted, Problems> {
+    let overrides: Vec<Override> = lenient.then(|| Override::new("lenient", "true")).into_iter().collect();
+    let (description, problems) = native::describe_foreign(input, &overrides);
+    let text = description.as_ref().map(|scene| native::scene_file(scene, input, folder_of(output), lenient));
+    let loaded = finish((description, problems))?;
+    let text = text.unwrap_or_default();
+    let again = load_text(output, &text, &[])?;
+    if again.scene.hash != loaded.scene.hash {
+        let problem = Problem::new(format!("{}: as a scene file it is not the same scene", input.display()));
+        return Err(problem.help("render the file itself, and please report this").into());
+    }
+    Ok(Converted { text, warnings: loaded.warnings })
+}
+
+/// Where the files that a scene file names are looked for.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
 /// Assembles what was described, and puts the problems of both together.
 fn finish((description, mut problems): (Option<SceneDescription>, Problems)) -> Result<Loaded, Problems> {
     let Some(description) = description else { return Err(problems) };

@@ -14,6 +14,7 @@ use exr::meta::header::LayerAttributes;
 use exr::prelude::{Compression, ReadChannels, ReadLayers, SmallVec, Vec2};
 
 use super::atomic;
+use super::channel_names::ChannelNames;
 use super::error::{ReadError, WriteError};
 use crate::film::{Channel, Image};
 
@@ -50,12 +51,30 @@ pub fn write_window(
     window: Window,
     attributes: &[(String, String)],
 ) -> Result<(), WriteError> {
+    write_named(path, image, window, attributes, (ChannelNames::Own, &[]))
+}
+
+/// The same with other names of the channels, and with attributes that keep their names.
+pub fn write_named(
+    path: &Path,
+    image: &Image,
+    window: Window,
+    attributes: &[(String, String)],
+    (names, verbatim): (ChannelNames, &[(String, String)]),
+) -> Result<(), WriteError> {
     let unfit = |reason: String| WriteError::Unfit { path: path.to_owned(), reason };
-    let bytes = encode(image, window, attributes).map_err(unfit)?;
+    let own = attributes.iter().map(|(name, value)| (format!("pdembree/{name}"), value.clone()));
+    let attributes: Attributes = own.chain(verbatim.iter().cloned()).collect();
+    let bytes = encode(image, names, window, &attributes).map_err(unfit)?;
     atomic::write(path, &bytes)
 }
 
-fn encode(image: &Image, window: Window, attributes: &[(String, String)]) -> Result<Vec<u8>, String> {
+fn encode(
+    image: &Image,
+    names: ChannelNames,
+    window: Window,
+    attributes: &[(String, String)],
+) -> Result<Vec<u8>, String> {
     let text = |s: &str| Text::new_or_none(s).ok_or_else(|| format!("{s:?} is no Latin-1 text"));
     let far = |_| "the picture has more pixels than 31 bits can count".to_owned();
     let mut channels = SmallVec::new();
@@ -63,7 +82,7 @@ fn encode(image: &Image, window: Window, attributes: &[(String, String)]) -> Res
         if samples.len() != image.pixels() {
             return Err(format!("channel {name} has {} samples for {} pixels", samples.len(), image.pixels()));
         }
-        channels.push(AnyChannel::new(text(name)?, FlatSamples::F32(samples.clone())));
+        channels.push(AnyChannel::new(text(&names.of_channel(name))?, FlatSamples::F32(samples.clone())));
     }
     let [x, y] = window.origin.map(|v| i32::try_from(v).map_err(far));
     let mut own = LayerAttributes { layer_position: Vec2(x?, y?), ..LayerAttributes::default() };
@@ -73,7 +92,7 @@ fn encode(image: &Image, window: Window, attributes: &[(String, String)]) -> Res
     for (name, value) in attributes {
         // A path in a command line may hold any letter; the header's Latin-1 gets an escape for it.
         let value = Text::new_or_none(value).map_or_else(|| text(&value.escape_unicode().to_string()), Ok)?;
-        own.other.insert(text(&format!("pdembree/{name}"))?, AttributeValue::Text(value));
+        own.other.insert(text(name)?, AttributeValue::Text(value));
     }
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };

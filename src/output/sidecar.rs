@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use super::atomic;
 use super::error::WriteError;
 use crate::film::{Cause, Refused};
-use crate::scene::settings::{Bandwidth, Radius, RenderSettings, TimeResolution};
 
 /// Number of the certificate's layout; it grows when a reader of the old one would be misled.
 pub const SCHEMA: u32 = 1;
@@ -127,6 +126,8 @@ pub struct BirthCertificate {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub beam_photons: BTreeMap<String, u64>,
     pub refused_samples: RefusedSamples,
+    /// Whether its beauty was denoised; what was rendered is then in the layer `noisy`.
+    pub denoised: bool,
     /// Digest of all channels of the picture: equal for equal pixels, whatever the file's format.
     pub pixels: String,
     pub warnings: Vec<String>,
@@ -140,51 +141,6 @@ pub struct BirthCertificate {
     pub peak_memory_bytes: Option<u64>,
     /// Digest of the parts that the picture was put together from.
     pub parts: Option<String>,
-}
-
-/// Every setting under its name in scene files.
-pub fn settings_by_name(settings: &RenderSettings) -> BTreeMap<String, serde_json::Value> {
-    let bandwidth = match settings.bandwidth {
-        Bandwidth::Auto => "auto".into(),
-        Bandwidth::Scale(s) => s.into(),
-    };
-    let radius = match settings.radius {
-        Radius::Auto => "auto".into(),
-        Radius::Metres(radius) => radius.into(),
-    };
-    let layers: Vec<&str> = settings.layers.iter().map(|layer| layer.name()).collect();
-    let time_cells = match settings.time_cells {
-        TimeResolution::Auto => "auto".into(),
-        TimeResolution::Cells(count) => count.into(),
-    };
-    let all: [(&str, serde_json::Value); 25] = [
-        ("method", settings.method.name().into()),
-        ("backend", settings.backend.name().into()),
-        ("seed", settings.seed.into()),
-        ("passes", settings.passes.into()),
-        ("spp", settings.spp.into()),
-        ("photons", settings.photons.into()),
-        ("beams", settings.beams.into()),
-        ("media_estimator", settings.media_estimator.name().into()),
-        ("beam_points", settings.beam_points.into()),
-        ("emission", settings.emission.name().into()),
-        ("estimator", settings.estimator.name().into()),
-        ("guiding", settings.guiding.name().into()),
-        ("footprint", settings.footprint.name().into()),
-        ("caustics", settings.caustics.name().into()),
-        ("indirect", settings.indirect.name().into()),
-        ("bounce_footprint", settings.bounce_footprint.name().into()),
-        ("kernel", settings.kernel.name().into()),
-        ("bandwidth", bandwidth),
-        ("k", settings.k.into()),
-        ("radius", radius),
-        ("time_cells", time_cells),
-        ("time_kernel", settings.time_kernel.name().into()),
-        ("max_depth", settings.max_depth.into()),
-        ("max_bounces", settings.max_bounces.into()),
-        ("layers", layers.into()),
-    ];
-    all.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 impl BirthCertificate {

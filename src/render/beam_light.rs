@@ -17,13 +17,14 @@ use crate::photon::collision_map::CollisionMap;
 use crate::photon::{Beam, Kinds, PhotonCounts};
 use crate::radiometry::{Radiance, Spectrum};
 use crate::sampling::{Purpose, Stream};
-use crate::scene::Medium;
 use crate::scene::settings::{KernelShape, MediaEstimator};
+use crate::scene::{GroupId, Medium};
 use crate::world::World;
 
 /// The beams of a pass, or points on them.
 pub struct BeamLight {
-    maps: Kinds<Option<MediaMap>>,
+    /// Of each group of lights, in the order of their ids.
+    maps: Vec<Kinds<Option<MediaMap>>>,
     kernel: KernelShape,
     estimator: MediaEstimator,
     /// What became of their photons; a beam counts as stored.
@@ -45,20 +46,22 @@ impl BeamLight {
         let units = photon_map::units(world, plans, pass);
         let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
         job.watch.phase("beams", units.len() as u64);
-        let mut all = Kinds::<()>::default().map(|()| Vec::new());
+        let groups = &world.scene.light_groups;
+        let mut all: Vec<Kinds<Vec<Beam>>> = vec![Kinds::default(); groups.ids()];
         let mut counts = PhotonCounts::default();
         let trace = |i: usize| photon_map::trace_unit(world, &units[i], spread, cells);
-        run_units(&scattered(units.len()), job.watch, trace, |_, Traced { beams, counts: unit, .. }| {
+        run_units(&scattered(units.len()), job.watch, trace, |i, Traced { beams, counts: unit, .. }| {
             counts.merge(&unit);
-            all.append(beams.unwrap_or_default());
+            all[groups.of(units[i].light()).index()].append(beams.unwrap_or_default());
             job.watch.look(state);
         })?;
         job.watch.finish();
-        let mut kind = 0;
-        let maps = all.map(|beams| {
-            kind += 1;
-            (!beams.is_empty()).then(|| MediaMap::new(world, pass, beams, regions.media(), kind))
-        });
+        let mut number = 0;
+        let mut map = |beams: Vec<Beam>| {
+            number += 1;
+            (!beams.is_empty()).then(|| MediaMap::new(world, pass, beams, regions.media(), number))
+        };
+        let maps = all.into_iter().map(|kinds| kinds.map(&mut map)).collect();
         let settings = &world.scene.settings;
         Ok(Some(BeamLight { maps, kernel: settings.kernel, estimator: settings.media_estimator, counts }))
     }
@@ -98,10 +101,12 @@ impl BeamLight {
         mut add: impl FnMut(LightKind, Spectrum),
         radiance: impl Fn(&MediaMap) -> Radiance,
     ) {
-        for (map, (part, arrival)) in self.maps.as_ref().into_array().into_iter().zip(LIGHT.into_array()) {
+        let maps =
+            GroupId::all().zip(&self.maps).flat_map(|(group, maps)| maps.as_ref().map(|map| (group, map)).into_array());
+        for ((group, map), (part, arrival)) in maps.zip(LIGHT.into_array().into_iter().cycle()) {
             let Some(map) = map.as_ref().filter(|_| arrival != Arrival::Scattered || asks_scattered) else { continue };
             let arrival = if straight == Arrival::Straight { arrival } else { straight };
-            add(LightKind { part, arrival }, radiance(map).0);
+            add(LightKind { part, arrival, group }, radiance(map).0);
         }
     }
 }
@@ -110,7 +115,7 @@ impl BeamLight {
 const WAYS: u64 = 1 << 48;
 
 impl MediaMap {
-    /// Of the beams of pass `pass` of the `kind`th kind.
+    /// Of the beams of pass `pass`, those of the `kind`th kind over all groups of lights.
     fn new(world: &World, pass: u32, beams: Vec<Beam>, media: &[Medium], kind: u64) -> MediaMap {
         let settings = &world.scene.settings;
         if settings.media_estimator.asks_beams() {

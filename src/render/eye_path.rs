@@ -13,7 +13,7 @@ use super::partition::{EyeFinds, EyeTask, Walked};
 use crate::camera::CameraRay;
 use crate::differential::{Column, Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
-use crate::film::{Arrival, EyeSample, LightKind, Part};
+use crate::film::{Arrival, EyeSample, LightKind, Met, Part};
 use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
 use crate::medium::Inside;
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
@@ -140,7 +140,7 @@ impl EyePathTracer<'_> {
         if self.world.regions.is_some() {
             walk.inside = self.world.inside(walk.ray.origin, walk.ray.time);
         }
-        let mut sample = EyeSample::default();
+        let mut sample = EyeSample::of(&self.world.scene.light_groups);
         let mut seen_scatter = false;
         for edge in 1..=self.max_depth {
             let met = match &self.world.regions {
@@ -163,6 +163,8 @@ impl EyePathTracer<'_> {
             };
             if edge == 1 {
                 sample.depth = Some(si.t);
+                sample.position = si.p.to_vec();
+                sample.met = Some(Met { object: si.object, material: si.material });
             }
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
             self.add_emission(walk, &si, &mut sample);
@@ -287,7 +289,8 @@ impl EyePathTracer<'_> {
             }
         };
         let weight = weight * self.part_of(walk, light);
-        sample.add(LightKind { part, arrival: walk.walked.arrival }, walk.beta * radiance * weight);
+        let group = self.world.scene.light_groups.of(light);
+        sample.add(LightKind { part, arrival: walk.walked.arrival, group }, walk.beta * radiance * weight);
     }
 
     /// What of a light's focused light eye paths bring.
@@ -326,7 +329,8 @@ impl EyePathTracer<'_> {
             _ if bsdf.is_glossy() => Part::Caustic,
             _ => Part::Indirect,
         };
-        sample.add(LightKind { part, arrival: walk.walked.straight_at(bsdf.is_glossy()) }, light);
+        let arrival = walk.walked.straight_at(bsdf.is_glossy());
+        sample.add(LightKind { part, arrival, group: self.world.scene.light_groups.of(choice.light) }, light);
     }
 
     fn query(&self, walk: &Walk, si: &Interaction, bsdf: Bsdf, first: bool, stream: &mut Stream) -> Query {

@@ -23,6 +23,7 @@ use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
+use crate::scene::GroupId;
 use crate::surface::adjoint::shading_normal_factor;
 use crate::surface::{Bsdf, Event, Interaction, TransportMode};
 use crate::world::{Flown, World};
@@ -87,7 +88,8 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let trace = |i: usize| {
         let (kind, unit) = units[i];
         let splats = SplatBuffer::new(bounds, pass, filter);
-        let mut tracer = LightTracer { world, camera, first_event: kind.first_event, splats };
+        let group = world.scene.light_groups.of(kind.units[unit].light);
+        let mut tracer = LightTracer { world, camera, first_event: kind.first_event, group, splats };
         kind.units[unit].emit(&world.lights, kind.aim, |emission, time, stream| tracer.trace(emission, time, stream));
         tracer.splats
     };
@@ -104,6 +106,8 @@ struct LightTracer<'a> {
     world: &'a World,
     camera: &'a Camera,
     first_event: FirstEvent,
+    /// Of the light that the paths come from.
+    group: GroupId,
     splats: SplatBuffer,
 }
 
@@ -121,6 +125,7 @@ struct Walk {
     /// The part that it belongs to where the eye looks past glossy surfaces at the last vertex of class D, or at the light;
     /// none once there was a delta event behind.
     past_glossy: Option<LightKind>,
+    group: GroupId,
     /// The part of the picture that the path's light belongs to, decided at its first scattering vertex.
     part: Option<Part>,
     /// Events of class S since the last one of class D, or since the light.
@@ -138,7 +143,8 @@ impl LightTracer<'_> {
             flux: emission.flux.0,
             scatter_events: 0,
             leading_events: Some(0),
-            past_glossy: Some(LightKind { part: Part::Direct, arrival: Arrival::Straight }),
+            past_glossy: Some(LightKind { part: Part::Direct, arrival: Arrival::Straight, group: self.group }),
+            group: self.group,
             part: None,
             chain: 0,
         };
@@ -218,7 +224,7 @@ fn kind_at(walk: &Walk, glossy: bool) -> LightKind {
         (true, true) => Arrival::SentBack,
         (true, false) => Arrival::Scattered,
     };
-    LightKind { part, arrival }
+    LightKind { part, arrival, group: walk.group }
 }
 
 /// Samples the next direction; false where the path ends.

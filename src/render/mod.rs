@@ -29,7 +29,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::film::{Film, PixelBounds};
+use crate::film::{Film, Layout, PixelBounds};
 use crate::medium::LostCount;
 use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
@@ -71,7 +71,7 @@ pub struct RenderState {
 impl RenderState {
     /// Nothing rendered yet of the pixels `part`, from pass `first_pass` on.
     pub fn new(world: &World, part: PixelBounds, first_pass: u32) -> RenderState {
-        let film = Film::new(part, first_pass, &world.scene.settings.layers);
+        let film = Film::new(part, first_pass, Layout::of_scene(&world.scene));
         RenderState { film, report: RenderReport::default() }
     }
 

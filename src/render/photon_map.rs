@@ -17,6 +17,7 @@ use crate::photon::{
 };
 use crate::sampling::qmc;
 use crate::scene::settings::{EmissionPattern, Estimator, TimeResolution};
+use crate::scene::{GroupId, LightGroups, LightId};
 use crate::world::World;
 
 /// Time cells of the first pass, unless settings say how many: between the bend of sweeps and too few photons for each
@@ -31,10 +32,10 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
     let (world, pass) = (job.world, state.film.pass());
     let plans = job.plans();
     let beams = BeamLight::shoot(job, state)?;
-    let maps = shoot(world, plans, pass, job.watch, || job.watch.look(state))?;
-    let photons = PhotonLight::of_pass(&maps, &world.scene.settings, pass).with_beams(beams.as_ref());
+    let maps = shoot_by_group(world, plans, pass, job.watch, || job.watch.look(state))?;
+    let photons = PhotonLight::of_groups(&maps, &world.scene.settings, pass).with_beams(beams.as_ref());
     expose(job, &EyeTask::beside(world, plans), Some(&photons), state)?;
-    state.report.add_maps(&maps);
+    maps.iter().for_each(|maps| state.report.add_maps(maps));
     if let Some(beams) = &beams {
         state.report.beam_photons.merge(&beams.counts);
     }
@@ -52,6 +53,18 @@ pub fn shoot(
     Ok(harvest(world, plans, pass, watch, between)?.map(PhotonHarvest::into_map))
 }
 
+/// The same, those of each group of lights apart, in the order of the groups' ids.
+fn shoot_by_group(
+    world: &World,
+    plans: &Kinds<Population>,
+    pass: u32,
+    watch: &dyn Watch,
+    between: impl Fn(),
+) -> Result<Vec<Kinds<PhotonMap>>, Stopped> {
+    let by_group = harvest_by_group(world, plans, pass, watch, &world.scene.light_groups, between)?;
+    Ok(by_group.into_iter().map(|kinds| kinds.map(PhotonHarvest::into_map)).collect())
+}
+
 /// emit → trace: what [`shoot`] makes maps of.
 pub fn harvest(
     world: &World,
@@ -60,14 +73,32 @@ pub fn harvest(
     watch: &dyn Watch,
     between: impl Fn(),
 ) -> Result<Kinds<PhotonHarvest>, Stopped> {
-    let mut harvest =
-        plans.as_ref().map(|population| PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population)));
+    let mut together = harvest_by_group(world, plans, pass, watch, &LightGroups::default(), between)?;
+    Ok(together.remove(0))
+}
+
+fn harvest_by_group(
+    world: &World,
+    plans: &Kinds<Population>,
+    pass: u32,
+    watch: &dyn Watch,
+    groups: &LightGroups,
+    between: impl Fn(),
+) -> Result<Vec<Kinds<PhotonHarvest>>, Stopped> {
+    let empty = |group: GroupId| {
+        plans.as_ref().map(|population| {
+            let lights = || population.plans.iter().map(|plan| plan.light).filter(|&light| groups.of(light) == group);
+            PhotonHarvest::new(world.lights.len()).whole(is_one_sheet(world, population, lights()))
+        })
+    };
+    let mut harvests: Vec<Kinds<PhotonHarvest>> = GroupId::all().take(groups.ids()).map(empty).collect();
     let units = units(world, plans, pass);
     let (spread, cells) = (spread(world, pass), time_cells(world, pass));
     watch.phase("photons", units.len() as u64);
     let trace = |i: usize| trace_unit(world, &units[i], spread, cells);
     run_units(&scattered(units.len()), watch, trace, |i, Traced { stored, counts, .. }| {
-        let light = units[i].emission.light;
+        let light = units[i].light();
+        let harvest = &mut harvests[groups.of(light).index()];
         let none = PhotonCounts::default();
         // What became of all of a unit's photons stands with the kind that they were sent out as.
         let [caustic, bounced] = match units[i].population.first_event {
@@ -82,21 +113,29 @@ pub fn harvest(
         between();
     })?;
     watch.finish();
-    Ok(harvest)
+    Ok(harvests)
 }
 
-/// Whether photons leave every light from one point, or into one direction, so that they lie on what they light as evenly
-/// as they set out.
-fn is_one_sheet(world: &World, population: &Population) -> bool {
+/// Whether photons leave every one of the `lights` from one point, or into one direction, so that they lie on what they light
+/// as evenly as they set out.
+fn is_one_sheet(world: &World, population: &Population, lights: impl Iterator<Item = LightId>) -> bool {
+    let mut lights = lights.peekable();
     population.first_event == FirstEvent::Delta
-        && !population.plans.is_empty()
-        && population.plans.iter().all(|plan| world.lights.get(plan.light).is_delta())
+        && lights.peek().is_some()
+        && lights.all(|light| world.lights.get(light).is_delta())
 }
 
 /// Some photons of one kind.
 pub(super) struct Unit<'a> {
     population: &'a Population,
     emission: EmissionUnit,
+}
+
+impl Unit<'_> {
+    /// Where they come from.
+    pub fn light(&self) -> LightId {
+        self.emission.light
+    }
 }
 
 pub(super) fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {

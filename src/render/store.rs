@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use crate::film::{Film, PixelBounds};
 use crate::output::part::{self, Identity, Part, PartInfo};
-use crate::output::sidecar::{BackendIdentity, Program, SceneIdentity, settings_by_name};
+use crate::output::sidecar::{BackendIdentity, Program, SceneIdentity};
 use crate::output::{PartError, WriteError};
+use crate::scene::named_settings::settings_by_name;
 use crate::world::World;
 
 use super::{RenderReport, RenderState};
@@ -229,7 +230,7 @@ fn assemble(mut tiles: Vec<Tile>, resolution: [u32; 2]) -> RenderState {
     if tiles.len() == 1 && tiles[0].state.film.bounds() == whole {
         return tiles.remove(0).state;
     }
-    let mut film = Film::new(whole, 0, tiles[0].state.film.layout().layers());
+    let mut film = Film::new(whole, 0, tiles[0].state.film.layout().clone());
     let mut report = RenderReport::default();
     for (i, tile) in tiles.iter().enumerate() {
         film.paste(&tile.state.film);

@@ -300,12 +300,16 @@ pub struct Emission {
     pub source: Source,
     pub radiance: [f64; 3],
     pub two_sided: bool,
+    /// The group of lights that it belongs to, if it says so.
+    pub group: Option<Reference>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightDescription {
     pub source: Source,
     pub model: LightModel,
+    /// The group of lights that it belongs to, if it says so.
+    pub group: Option<Reference>,
     /// What happens to it from time to time; empty for what stands still.
     pub motion: Vec<MotionKey>,
 }

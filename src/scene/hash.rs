@@ -9,7 +9,7 @@ use std::collections::hash_map::Entry;
 use super::camera::PixelFilter;
 use super::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MotionKey,
-    ObjectDescription, SceneDescription, ShapeDescription, TransformMap, TransformStep,
+    ObjectDescription, Reference, SceneDescription, ShapeDescription, TransformMap, TransformStep,
 };
 use super::mesh::TriangleMesh;
 use super::settings::{
@@ -141,7 +141,7 @@ impl Canonical {
     }
 
     fn settings(&mut self, settings: &RenderSettings) {
-        // Layers stand beside the picture and change none of its pixels.
+        // Layers stand beside the picture and change none of its pixels; but those of groups of lights part its photons.
         let RenderSettings {
             method,
             backend,
@@ -168,6 +168,7 @@ impl Canonical {
             max_depth,
             max_bounces,
             layers: _,
+            group_layers,
         } = settings;
         for name in [method.name(), backend.name(), emission.name(), estimator.name(), footprint.name(), kernel.name()]
         {
@@ -219,6 +220,9 @@ impl Canonical {
             self.tag("beam points");
             self.integer(u64::from(*beam_points));
         }
+        for layer in group_layers {
+            self.tag(&layer.name());
+        }
         if let Radius::Metres(radius) = radius {
             self.tag("radius");
             self.numbers(&[*radius]);
@@ -235,6 +239,7 @@ impl Canonical {
                 self.tag("emits");
                 self.numbers(&emission.radiance);
                 self.integer(emission.two_sided.into());
+                self.group(emission.group.as_ref());
             }
         }
         // By content, so that neither names nor the order of materials matter.
@@ -396,6 +401,15 @@ impl Canonical {
                 self.numbers(&radiance);
             }
         }
+        self.group(light.group.as_ref());
         self.motion(&light.motion);
+    }
+
+    /// Only where there is one, as with settings.
+    fn group(&mut self, group: Option<&Reference>) {
+        if let Some(group) = group {
+            self.tag("group");
+            self.tag(&group.name);
+        }
     }
 }

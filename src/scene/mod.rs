@@ -11,10 +11,12 @@ pub mod error;
 pub mod hash;
 pub mod ids;
 pub mod light;
+pub mod light_group;
 pub mod material;
 pub mod medium;
 pub mod mesh;
 pub mod metal;
+pub mod named_settings;
 pub mod object;
 pub mod settings;
 pub mod spelling;
@@ -25,6 +27,7 @@ pub use camera::{CameraModel, CameraSettings, Shutter};
 pub use deformation::Deformation;
 pub use ids::{LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 pub use light::LightSource;
+pub use light_group::{GroupId, GroupLayer, LightGroups};
 pub use material::Material;
 pub use medium::{Media, Medium};
 pub use mesh::TriangleMesh;
@@ -42,6 +45,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     pub meshes: Vec<TriangleMesh>,
     pub materials: Vec<Material>,
+    /// What the scene file calls them.
+    pub material_names: Vec<String>,
     pub textures: Vec<ImageTexture>,
     pub media: Media,
     /// Area lights are among them, naming their object.
@@ -49,6 +54,8 @@ pub struct Scene {
     /// How light i moves while the shutter is open, rigidly; shorter than `lights` where the last ones do not. What moves is
     /// in `lights` where it is in the middle of the interval. Area lights move as their objects do.
     pub light_motions: Vec<Option<Arc<Motion>>>,
+    /// Whose light is kept apart.
+    pub light_groups: LightGroups,
     pub camera: CameraSettings,
     /// When the picture is taken; an instant unless something moves meanwhile.
     pub shutter: Shutter,

@@ -1,5 +1,7 @@
 //! How a scene is rendered; every choice has a name that the scene file and the command line share.
 
+use super::light_group::GroupLayer;
+
 /// Defines an enum whose variants have one spelling each.
 macro_rules! named_choice {
     ($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
@@ -173,9 +175,12 @@ named_choice!(
         Scattered = "scattered",
         Normal = "N",
         Depth = "Z",
+        Position = "P",
         Albedo = "albedo",
         Photons = "photons",
         Variance = "variance",
+        CryptoObject = "crypto_object",
+        CryptoMaterial = "crypto_material",
     }
 );
 
@@ -256,6 +261,8 @@ pub struct RenderSettings {
     pub max_bounces: u32,
     /// Layers of the EXR beside the beauty, in the order they were asked for, without repetition.
     pub layers: Vec<Layer>,
+    /// The shares of groups of lights in some of them, likewise.
+    pub group_layers: Vec<GroupLayer>,
 }
 
 impl Default for RenderSettings {
@@ -288,6 +295,7 @@ impl Default for RenderSettings {
             max_depth: 32,
             max_bounces: 4,
             layers: Vec::new(),
+            group_layers: Vec::new(),
         }
     }
 }

@@ -37,8 +37,20 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-const COMMANDS: [&str; 11] =
-    ["render", "merge", "submit", "study", "crosscheck", "photons", "check", "compare", "info", "completions", "man"];
+const COMMANDS: [&str; 12] = [
+    "render",
+    "merge",
+    "submit",
+    "study",
+    "crosscheck",
+    "photons",
+    "check",
+    "compare",
+    "convert",
+    "info",
+    "completions",
+    "man",
+];
 
 #[test]
 fn help_lists_every_command_and_goes_to_stdout() {

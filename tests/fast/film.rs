@@ -1,9 +1,10 @@
 //! The film: means, refusals, order of merging.
 
-use pdembree::film::{Arrival, Exposure, EyeSample, Film, LightKind, Part, PixelBounds, SplatBuffer, Tile};
+use pdembree::film::{Arrival, Exposure, EyeSample, Film, Layout, LightKind, Part, PixelBounds, SplatBuffer, Tile};
 use pdembree::math::Vec3;
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::stream::{Purpose, Stream};
+use pdembree::scene::GroupId;
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::settings::Layer;
 
@@ -34,13 +35,13 @@ fn sample(direct: f64, caustic: f64, indirect: f64, depth: Option<f64>) -> EyeSa
         (Part::Caustic, Arrival::Focused, caustic),
         (Part::Indirect, Arrival::SentBack, indirect),
     ] {
-        sample.add(LightKind { part, arrival }, Spectrum::splat(light));
+        sample.add(LightKind { part, arrival, group: GroupId::REST }, Spectrum::splat(light));
     }
     sample
 }
 
 fn new_film(width: u32, height: u32, layers: &[Layer]) -> Film {
-    Film::new(PixelBounds::whole([width, height]), 0, layers)
+    Film::new(PixelBounds::whole([width, height]), 0, Layout::new(layers))
 }
 
 /// Every number is exact in binary, so the means are too.
@@ -142,7 +143,7 @@ fn splats_are_the_mean_of_the_passes_and_join_the_eye_samples() {
         tile.add(1, 0, &sample(2.0, 0.0, 0.0, None));
         film.add_tile(0, &tile);
         let mut splats = SplatBuffer::new(film.bounds(), pass, PixelFilter::Box);
-        let kind = LightKind { part: Part::Caustic, arrival: Arrival::Focused };
+        let kind = LightKind { part: Part::Caustic, arrival: Arrival::Focused, group: GroupId::REST };
         splats.add_splat(1.25, 0.75, kind, Spectrum::rgb(f64::from(pass), 0.0, 1.0));
         film.add_splats(Exposure::LightToAll, 0, &splats);
         film.end_pass();

@@ -6,6 +6,8 @@ mod support;
 mod backends;
 mod cli;
 mod closed_form;
+mod convert;
+mod denoise;
 mod differential_chains;
 mod differential_vectors;
 mod discrete;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use image::RgbImage;
 use pdembree::film::Image;
-use pdembree::import::{Override, load};
+use pdembree::import::{Override, convert, load};
 use pdembree::output::png::to_rgb8;
 use pdembree::render::progress::Silent;
 use pdembree::render::render;
@@ -85,6 +85,21 @@ fn every_shared_gltf_file_renders_alike_on_both_backends() {
     let files = of_kind(sound.flat_map(|folder| entries(&folder)).collect(), &["gltf", "glb"]);
     assert!(files.len() > 20, "{files:?}");
     contact_sheet("gltf.png", &files);
+}
+
+/// As `convert` writes it, a scene file gives the bits of the file that it was made from.
+#[test]
+fn a_converted_file_renders_the_same_bits() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let mut files = vec![root().join("tests/corpus/pbrt/materials.pbrt"), root().join("tests/corpus/pbrt/lights.pbrt")];
+    files.extend(shared("gltf/16_volume").map(|folder| folder.join("16_volume.gltf")));
+    for file in files {
+        let place = folder.path().join("converted.toml");
+        let converted = convert(&file, &place, false).unwrap_or_else(|problems| panic!("{problems}"));
+        std::fs::write(&place, converted.text).expect("written");
+        let [own, other] = [&place, &file].map(|path| picture(path, BackendKind::Obvhs));
+        assert!(own == other, "{}: other bits", file.display());
+    }
 }
 
 #[test]

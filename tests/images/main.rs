@@ -10,6 +10,7 @@ mod exr;
 mod imported;
 mod page;
 mod killed;
+mod layers;
 mod peers;
 mod closed_form_scenes;
 mod refraction;

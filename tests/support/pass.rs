@@ -2,7 +2,7 @@
 
 use pdembree::camera::{Camera, filter_offset};
 use pdembree::estimate::Turn;
-use pdembree::film::{EyeSample, Film, PixelBounds, Tile};
+use pdembree::film::{EyeSample, Film, Layout, PixelBounds, Tile};
 use pdembree::import::{Override, load};
 use pdembree::math::Vec2;
 use pdembree::photon::{Kinds, PhotonHarvest, PhotonMap, Population};
@@ -128,7 +128,7 @@ impl Small {
 
     /// An empty film.
     pub fn film(&self) -> Film {
-        Film::new(self.pixels(), 0, &self.world.scene.settings.layers)
+        Film::new(self.pixels(), 0, Layout::of_scene(&self.world.scene))
     }
 
     /// A tile of `film` with the samples in it.

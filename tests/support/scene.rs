@@ -4,8 +4,8 @@ use pdembree::math::{Bounds3, Point3, Ray, Transform, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::{
-    CameraModel, CameraSettings, Material, MaterialId, Media, MeshId, Object, ObjectGeometry, RenderSettings, Scene,
-    Shutter, Textured, TriangleMesh,
+    CameraModel, CameraSettings, LightGroups, Material, MaterialId, Media, MeshId, Object, ObjectGeometry,
+    RenderSettings, Scene, Shutter, Textured, TriangleMesh,
 };
 use pdembree::shape::Shape;
 
@@ -22,10 +22,12 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
         objects,
         meshes,
         materials: vec![Material::Lambert { albedo: Textured::Constant(Spectrum::ONE) }],
+        material_names: vec!["matte".into()],
         textures: vec![],
         media: Media::default(),
         lights: vec![],
         light_motions: vec![],
+        light_groups: LightGroups::default(),
         camera: CameraSettings {
             model: CameraModel::Perspective { fov_x: 1.0 },
             position: Point3::new(0.0, 0.0, 5.0),

@@ -3,11 +3,12 @@
 use glam::{DMat4, DVec3};
 use gltf::camera::Projection;
 
-use super::nodes::direction;
+use super::nodes::{Placed, direction};
+use crate::import::imported;
 use crate::math::Bounds3;
 use crate::scene::camera::PixelFilter;
-use crate::scene::description::{CameraDescription, CameraModelDescription};
-use crate::scene::error::Source;
+use crate::scene::description::{CameraDescription, CameraModelDescription, Reference};
+use crate::scene::error::{Problem, Source};
 
 /// Pixels along the longer side.
 const LONGER_SIDE: f64 = 960.0;
@@ -15,6 +16,18 @@ const LONGER_SIDE: f64 = 960.0;
 const USUAL_ASPECT: f64 = 4.0 / 3.0;
 /// Full horizontal angle of the camera that stands in.
 const STAND_IN_FOV: f64 = 40.0;
+
+/// Which of the nodes with a camera has that name, or a camera of that name.
+pub(super) fn find(cameras: &[&Placed<'_>], wanted: &Reference, source: &Source) -> Result<usize, Problem> {
+    let of_camera = |item: &&Placed<'_>| item.node.camera().and_then(|camera| camera.name().map(str::to_owned));
+    let of_node = |item: &&Placed<'_>| item.node.name().map(str::to_owned);
+    let names: Vec<String> = cameras.iter().filter_map(|item| of_node(item).or_else(|| of_camera(item))).collect();
+    let is_wanted = |item: &&Placed<'_>| [of_node(item), of_camera(item)].contains(&Some(wanted.name.clone()));
+    match cameras.iter().position(is_wanted) {
+        Some(place) => Ok(place),
+        None => imported::find("camera", wanted, &names.iter().map(String::as_str).collect::<Vec<_>>(), source),
+    }
+}
 
 /// A camera of the file in the world.
 pub(super) fn describe(

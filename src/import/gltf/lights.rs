@@ -48,5 +48,5 @@ pub(super) fn describe(
             }
         }
     };
-    Some(LightDescription { source: source.clone(), model, motion: Vec::new() })
+    Some(LightDescription { source: source.clone(), model, group: None, motion: Vec::new() })
 }

@@ -245,7 +245,7 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
         uses.ignored.note("emissiveTexture (its mean is taken)");
     }
     let two_sided = material.double_sided();
-    let emission = Emission { source: source.clone(), radiance, two_sided };
+    let emission = Emission { source: source.clone(), radiance, two_sided, group: None };
     Ok((radiance != [0.0; 3]).then_some(emission))
 }
 

@@ -14,6 +14,7 @@ mod nodes;
 mod references;
 mod textures;
 mod uri;
+mod variants;
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -26,7 +27,7 @@ use self::mesh::Budget;
 use self::nodes::Placed;
 use self::textures::Textures;
 use super::ignored::Ignored;
-use super::imported::Imported;
+use super::imported::{Imported, Wanted};
 use super::names::Names;
 use super::{MAX_MESH_BYTES, read_bytes};
 use crate::math::{Bounds3, Point3};
@@ -45,9 +46,9 @@ pub fn is_gltf(path: &Path) -> bool {
 ///
 /// # Errors
 /// Files that cannot be read, and everything that makes this one no sound glTF.
-pub fn read(path: &Path) -> Result<Imported, Problems> {
+pub fn read(path: &Path, wanted: &Wanted) -> Result<Imported, Problems> {
     let bytes = read_bytes(path, MAX_MESH_BYTES)?;
-    parse(path, &bytes)
+    parse_with(path, &bytes, wanted)
 }
 
 /// Like [`read`] with the content of the file at hand; `path` is for messages and for finding other files.
@@ -55,6 +56,10 @@ pub fn read(path: &Path) -> Result<Imported, Problems> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
+    parse_with(path, bytes, &Wanted::default())
+}
+
+fn parse_with(path: &Path, bytes: &[u8], wanted: &Wanted) -> Result<Imported, Problems> {
     let source = Source::file(path);
     let container = container::open(bytes, &source)?;
     let document = Document::from_json_without_validation(container.root);
@@ -63,6 +68,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
     let refuse = |what: String| Problem::new(format!("not a sound glTF file: {what}")).at(&source);
     let placed = nodes::placed(&document).map_err(refuse)?;
 
+    let variant = variants::wanted(&document, wanted.variant.as_ref(), &source)?;
     let mut ignored = Ignored::default();
     note_ignored(&document, &mut ignored);
     let textures = Textures::new(&buffers, folder, &source);
@@ -70,6 +76,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
         source: &source,
         buffers: &buffers,
         budget: Budget::of(&buffers),
+        variant,
         materials: Materials::new(&document, textures, &source),
         names: Names::default(),
         meshes: Vec::new(),
@@ -89,10 +96,11 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
         .filter_map(|item| lights::describe(&item.node.light()?, &item.to_world, &source, &mut ignored))
         .collect();
     let cameras: Vec<&Placed<'_>> = placed.iter().filter(|item| item.node.camera().is_some()).collect();
-    let first = cameras.first().and_then(|item| Some((item.node.camera()?, item.to_world)));
-    let camera = first.map(|(first, to_world)| camera::describe(&first, &to_world, &source));
+    let taken = wanted.camera.as_ref().map_or(Ok(0), |name| camera::find(&cameras, name, &source))?;
+    let taken = cameras.get(taken).and_then(|item| Some((item.node.camera()?, item.to_world)));
+    let camera = taken.map(|(camera, to_world)| camera::describe(&camera, &to_world, &source));
     let camera = camera.transpose().map_err(refuse)?;
-    ignored.note_if(cameras.len() > 1, "cameras behind the first one");
+    ignored.note_if(cameras.len() > 1 && wanted.camera.is_none(), "cameras behind the first one");
     let warnings = ignored.warning(&source).into_iter().collect();
     let is_lit = has_lamp || !lights.is_empty();
     Ok(Imported {
@@ -112,7 +120,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Imported, Problems> {
 }
 
 /// Extensions that are read.
-const READ: [&str; 8] = [
+const READ: [&str; 9] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_materials_emissive_strength",
@@ -120,6 +128,7 @@ const READ: [&str; 8] = [
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
 ];
 
@@ -137,6 +146,8 @@ struct Reading<'a, 'i> {
     source: &'a Source,
     buffers: &'a Buffers<'a>,
     budget: Budget,
+    /// Which of the file's.
+    variant: Option<u32>,
     materials: Materials<'a>,
     names: Names,
     meshes: Vec<MeshDescription>,
@@ -160,7 +171,7 @@ impl Reading<'_, '_> {
         let label =
             item.node.name().or(mesh.name()).map_or_else(|| format!("node {}", item.node.index()), str::to_owned);
         for primitive in mesh.primitives() {
-            let finish = self.materials.of(&primitive.material(), self.ignored)?;
+            let finish = self.materials.of(&variants::material(&primitive, self.variant), self.ignored)?;
             let key = (mesh.index(), primitive.index());
             let index = match self.mesh_index.get(&key) {
                 Some(known) => *known,

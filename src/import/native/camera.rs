@@ -7,6 +7,7 @@ use crate::import::keyed::convert::{
     ANY, Array, Choice, Convert, Direction, Integer, Mismatch, Number, POINT, POSITIVE, found,
 };
 use crate::import::keyed::reader::Section;
+use crate::scene::GroupLayer;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{CameraDescription, CameraKeyDescription, CameraModelDescription};
 use crate::scene::settings::{
@@ -193,24 +194,39 @@ impl Convert for AutoOrCount {
 struct Layers;
 
 impl Convert for Layers {
-    type Output = Vec<Layer>;
+    type Output = (Vec<Layer>, Vec<GroupLayer>);
     fn expects(&self) -> String {
-        format!("an array of layers, each {}", LAYERS.expects())
+        format!(
+            "an array of layers, each {}, or direct_, caustic_ or indirect_ and a group of lights or *",
+            LAYERS.expects()
+        )
     }
-    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Vec<Layer>, Mismatch> {
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<Self::Output, Mismatch> {
         let DeValue::Array(items) = value.get_ref() else {
             return Err(Mismatch { found: found(value.get_ref()), span: value.span() });
         };
-        let mut layers = Vec::new();
+        let (mut layers, mut grouped) = (Vec::new(), Vec::new());
         for item in items.iter() {
-            let layer = LAYERS.convert(item)?;
-            if layers.contains(&layer) {
-                return Err(Mismatch { found: format!("\"{}\" twice", layer.name()), span: item.span() });
+            let is_new = match item.get_ref().as_str().and_then(GroupLayer::from_name) {
+                Some(layer) => push_new(&mut grouped, layer),
+                None => push_new(&mut layers, LAYERS.convert(item)?),
+            };
+            if !is_new {
+                let name = item.get_ref().as_str().unwrap_or_default();
+                return Err(Mismatch { found: format!("\"{name}\" twice"), span: item.span() });
             }
-            layers.push(layer);
         }
-        Ok(layers)
+        Ok((layers, grouped))
     }
+}
+
+/// False if it was there.
+fn push_new<T: PartialEq>(list: &mut Vec<T>, item: T) -> bool {
+    let is_new = !list.contains(&item);
+    if is_new {
+        list.push(item);
+    }
+    is_new
 }
 
 const LAYERS: Choice<'_, Layer> = Choice { names: Layer::NAMES, from_name: Layer::from_name };
@@ -230,6 +246,7 @@ pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> Re
         max: MAX_PHOTONS_PER_PASS,
         help: Some("photons of one pass; use render.passes to emit more, a million is a good start"),
     };
+    let (layers, group_layers) = section.or("layers", Layers, (default.layers, default.group_layers));
     let settings = RenderSettings {
         method: section.or("method", Choice { names: Method::NAMES, from_name: Method::from_name }, default.method),
         backend: section.or(
@@ -298,7 +315,8 @@ pub(super) fn read_settings(section: Section<'_>, default: RenderSettings) -> Re
         ),
         max_depth: section.or("max_depth", depth(1), default.max_depth.into()) as u32,
         max_bounces: section.or("max_bounces", depth(0), default.max_bounces.into()) as u32,
-        layers: section.or("layers", Layers, default.layers),
+        layers,
+        group_layers,
     };
     section.finish();
     settings

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::import::assets::Assets;
-use crate::import::imported::Imported;
+use crate::import::imported::{Imported, Wanted};
 use crate::import::keyed::convert::Text;
 use crate::import::keyed::reader::Section;
 use crate::import::{gltf, is_foreign, pbrt};
@@ -36,8 +36,14 @@ pub(super) struct Included {
 }
 
 /// The file that `include` names, if it can be read.
-pub(super) fn read(root: &Section<'_>, folder: &Path, lenient: bool) -> Option<Imported> {
-    let value = root.get("include")?;
+pub(super) fn read(root: &Section<'_>, folder: &Path, wanted: &Wanted) -> Option<Imported> {
+    let Some(value) = root.get("include") else {
+        for name in wanted.camera.iter().chain(&wanted.variant) {
+            let problem = Problem::new(format!("`{}` is to be found in a file, but none is included", name.name));
+            root.reader.report(problem.help("name the file: include = \"x.gltf\"").at(&name.source));
+        }
+        return None;
+    };
     let name = root.reader.convert("include", value, &Text)?;
     let path = folder.join(&name);
     let used_at = root.reader.source(value.span());
@@ -48,12 +54,22 @@ pub(super) fn read(root: &Section<'_>, folder: &Path, lenient: bool) -> Option<I
         return None;
     }
     let placed = |problems: Problems| Problems(problems.0.into_iter().map(|p| p.at_unless_placed(&used_at)).collect());
-    read_file(&path, lenient).map_err(|problems| root.reader.report_all(placed(problems))).ok()
+    read_file(&path, wanted).map_err(|problems| root.reader.report_all(placed(problems))).ok()
 }
 
-/// A glTF or pbrt file by its name. `lenient`: what of the latter cannot be rendered is left out with a warning.
-pub(super) fn read_file(path: &Path, lenient: bool) -> Result<Imported, Problems> {
-    if pbrt::is_pbrt(path) { pbrt::read(path, lenient) } else { gltf::read(path) }
+/// A glTF or pbrt file by its name.
+pub(super) fn read_file(path: &Path, wanted: &Wanted) -> Result<Imported, Problems> {
+    if !pbrt::is_pbrt(path) {
+        return gltf::read(path, wanted);
+    }
+    match wanted.camera.as_ref().or(wanted.variant.as_ref()) {
+        None => pbrt::read(path, wanted.lenient),
+        Some(name) => {
+            let problem =
+                Problem::new(format!("{} is a pbrt file: it has no cameras or variants by name", path.display()));
+            Err(problem.help("it has one camera; leave the name out").at(&name.source).into())
+        }
+    }
 }
 
 impl Included {
@@ -99,6 +115,7 @@ impl Included {
             lights.extend(stand_ins.map(|model| LightDescription {
                 source: self.source.clone(),
                 model,
+                group: None,
                 motion: Vec::new(),
             }));
             say("the file has no light: a sky of 0.5 W/(m² sr) and a sun of 2 W/m² stand in", "add lights to it");

@@ -1,9 +1,15 @@
 //! `[[lights]]`.
 
+use toml::Spanned;
+use toml::de::DeValue;
+
 use super::objects::read_key;
-use crate::import::keyed::convert::{Choice, Colour, Convert, Direction, NON_NEGATIVE, Number, POINT, POSITIVE};
+use crate::import::keyed::convert::{
+    Choice, Colour, Convert, Direction, Mismatch, NON_NEGATIVE, Number, POINT, POSITIVE, found,
+};
 use crate::import::keyed::reader::Section;
-use crate::scene::description::{ExtentDescription, LightDescription, LightModel};
+use crate::scene::description::{ExtentDescription, LightDescription, LightModel, Reference};
+use crate::scene::light_group;
 
 #[derive(Clone, Copy)]
 enum LightName {
@@ -39,10 +45,11 @@ fn read_light(section: Section<'_>) -> LightDescription {
             None
         }
     };
+    let group = read_group(&section);
     let Some(name) = name else {
         // Stands for the light that is meant, so that the scene does not seem to be dark.
         let model = LightModel::Environment { radiance: [1.0; 3] };
-        return LightDescription { source, model, motion: Vec::new() };
+        return LightDescription { source, model, group: None, motion: Vec::new() };
     };
     let model = match name {
         LightName::Point => LightModel::Point {
@@ -59,7 +66,30 @@ fn read_light(section: Section<'_>) -> LightDescription {
     };
     let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect();
     section.finish();
-    LightDescription { source, model, motion }
+    LightDescription { source, model, group, motion }
+}
+
+/// `group`, of a light or an object that emits.
+pub(super) fn read_group(section: &Section<'_>) -> Option<Reference> {
+    let value = section.get("group")?;
+    let name = section.reader.convert("group", value, &GroupName)?;
+    Some(Reference { name, source: section.reader.source(value.span()) })
+}
+
+/// A name that a layer may have.
+struct GroupName;
+
+impl Convert for GroupName {
+    type Output = String;
+    fn expects(&self) -> String {
+        "the name of a group of lights, of letters, digits and _, a letter first".to_owned()
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<String, Mismatch> {
+        match value.get_ref() {
+            DeValue::String(name) if light_group::is_name(name) => Ok(name.to_string()),
+            other => Err(Mismatch { found: found(other), span: value.span() }),
+        }
+    }
 }
 
 fn read_spot(section: &Section<'_>) -> LightModel {

@@ -9,8 +9,10 @@ mod materials;
 mod media;
 mod objects;
 mod overrides;
+mod writing;
 
 pub use overrides::Override;
+pub use writing::scene_file;
 
 use std::path::Path;
 
@@ -18,6 +20,7 @@ use toml::de::DeTable;
 
 use self::included::Included;
 use super::assets::Assets;
+use super::imported::Wanted;
 use super::keyed::convert::{Boolean, Integer};
 use super::keyed::reader::{Reader, Section};
 use super::keyed::syntax_problems;
@@ -64,14 +67,19 @@ fn describe_with(
 }
 
 fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<SceneDescription> {
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let folder = super::folder_of(path);
     let mut assets = Assets::new(folder);
-    let lenient = root.or("lenient", Boolean, false);
+    let camera = root.table("camera");
+    let wanted = Wanted {
+        camera: camera.as_ref().and_then(|section| media::reference(section, "from")),
+        variant: media::reference(&root, "variant"),
+        lenient: root.or("lenient", Boolean, false),
+    };
     let included = match foreign {
         Some(path) => {
-            Some(included::read_file(path, lenient).map_err(|problems| root.reader.report_all(problems)).ok()?)
+            Some(included::read_file(path, &wanted).map_err(|problems| root.reader.report_all(problems)).ok()?)
         }
-        None => included::read(&root, folder, lenient),
+        None => included::read(&root, folder, &wanted),
     };
     let included = included.map(|imported| Included::into_assets(imported, &mut assets));
     let file = root.reader.texts.file().clone();
@@ -79,7 +87,7 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
     let version = Integer { min: FORMAT, max: FORMAT, help: Some("this program reads version 1 of the format") };
     root.required("format", version, FORMAT);
     let own_camera = included.as_ref().map(|i| &i.camera);
-    let camera = root.table("camera").map(|section| camera::read(section, own_camera)).or(own_camera.cloned());
+    let camera = camera.map(|section| camera::read(section, own_camera)).or(own_camera.cloned());
     let render = root.table("render");
     let settings_source = render.as_ref().map_or(file.clone(), Section::source);
     let own_settings = included.as_ref().map_or_else(RenderSettings::default, |i| i.settings.clone());

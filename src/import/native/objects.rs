@@ -214,10 +214,11 @@ fn read_frames(
 
 fn read_emission(section: &Section<'_>) -> Option<Emission> {
     let two_sided = section.get("two_sided");
+    let group = super::lights::read_group(section);
     let Some(value) = section.get("emission") else {
-        if let Some(value) = two_sided {
-            let problem = crate::scene::error::Problem::new("`two_sided` without `emission` says nothing");
-            let source = section.reader.source(value.span());
+        let two_sided = two_sided.map(|value| ("two_sided", section.reader.source(value.span())));
+        for (key, source) in two_sided.into_iter().chain(group.map(|group| ("group", group.source))) {
+            let problem = Problem::new(format!("`{key}` without `emission` says nothing"));
             section.reader.report(problem.help("give emission = [r, g, b] in W/(m² sr), or remove it").at(&source));
         }
         return None;
@@ -226,6 +227,7 @@ fn read_emission(section: &Section<'_>) -> Option<Emission> {
         source: section.reader.source(value.span()),
         radiance: section.reader.convert("emission", value, &Colour(NON_NEGATIVE)).unwrap_or([1.0; 3]),
         two_sided: two_sided.and_then(|v| section.reader.convert("two_sided", v, &Boolean)).unwrap_or(false),
+        group,
     })
 }
 

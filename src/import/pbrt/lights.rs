@@ -65,7 +65,12 @@ pub(super) fn describe(
     | LightModel::Spot { intensity: sent, .. }
     | LightModel::Directional { irradiance: sent, .. }
     | LightModel::Environment { radiance: sent }) = model;
-    Ok((sent != [0.0; 3]).then(|| LightDescription { source: ps.source.clone(), model, motion: Vec::new() }))
+    Ok((sent != [0.0; 3]).then(|| LightDescription {
+        source: ps.source.clone(),
+        model,
+        group: None,
+        motion: Vec::new(),
+    }))
 }
 
 /// `AreaLightSource "diffuse"` on a shape of `area` m²: that of one of pbrt's shapes, which a mesh's triangles are each.
@@ -80,7 +85,7 @@ pub(super) fn emission(
     }
     let sides = if two_sided { 2.0 } else { 1.0 };
     let radiance = power(ps, "L", folder, |_| Ok(sides * PI * area()?))?;
-    Ok((radiance != [0.0; 3]).then(|| Emission { source: ps.source.clone(), radiance, two_sided }))
+    Ok((radiance != [0.0; 3]).then(|| Emission { source: ps.source.clone(), radiance, two_sided, group: None }))
 }
 
 /// The colour `name` times `scale`, white where there is none.

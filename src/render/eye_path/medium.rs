@@ -93,6 +93,7 @@ impl EyePathTracer<'_> {
     ) -> bool {
         if edge == 1 {
             sample.depth = Some(at.t);
+            sample.position = at.p.to_vec();
         }
         if !seen {
             sample.albedo = regions.get(at.medium).albedo();
@@ -156,6 +157,7 @@ impl EyePathTracer<'_> {
         let weight = weight * self.part_of(walk, choice.light);
         let light = walk.beta * found.weight.0 * left * (value * weight / choice.pmf.0);
         let part = if walk.order() == 0 { Part::Direct } else { Part::Indirect };
-        sample.add(LightKind { part, arrival: walk.walked.straight_at(false) }, light);
+        let group = self.world.scene.light_groups.of(choice.light);
+        sample.add(LightKind { part, arrival: walk.walked.straight_at(false), group }, light);
     }
 }

@@ -42,6 +42,13 @@ impl Materials {
         self.by_name.get(name).and_then(|id| self.materials.get(id.index()))
     }
 
+    /// Of all, in their order.
+    pub fn names(&self) -> Vec<String> {
+        let mut names = vec![String::new(); self.materials.len()];
+        self.by_name.iter().for_each(|(name, id)| names[id.index()].clone_from(name));
+        names
+    }
+
     /// The material of that name; an unknown one is reported. An empty name stands for one that was reported.
     pub fn find(&self, reference: &Reference, report: &mut Report) -> Option<MaterialId> {
         let found = self.by_name.get(&reference.name).copied();

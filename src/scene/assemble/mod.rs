@@ -5,6 +5,7 @@
 
 mod camera;
 mod geometry;
+mod groups;
 mod lights;
 mod materials;
 mod media;
@@ -24,7 +25,7 @@ use super::light::LightSource;
 use super::material::Material;
 use super::object::{Object, ObjectGeometry};
 use super::settings::{Indirect, MAX_PHOTONS_PER_PASS, Method, RenderSettings};
-use super::{CameraSettings, Media, Scene, TriangleMesh};
+use super::{CameraSettings, LightGroups, Media, Scene, TriangleMesh};
 use crate::math::Bounds3;
 use crate::radiometry::Spectrum;
 
@@ -66,6 +67,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let geometry = Geometry::assemble(&mut description, shutter, &materials, &mut report);
     let (mut lights, light_motions) = lights::assemble(&description.lights, shutter, &mut report);
     let objects = place_objects(&description, shutter, &materials, &geometry, &mut lights, &mut report);
+    let light_groups = groups::assemble(&mut description, &lights, &objects, &mut report);
     check_names(&description, &mut report);
     lights::check_some_light(&lights, &description, &mut report);
     let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
@@ -82,7 +84,7 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
         || geometry.meshes.iter().any(TriangleMesh::changes);
     let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
-    problems.into_result((Scene { bounds, shutter, light_motions, media, ..scene }, warnings))
+    problems.into_result((Scene { bounds, shutter, light_motions, light_groups, media, ..scene }, warnings))
 }
 
 fn scene(
@@ -97,11 +99,13 @@ fn scene(
     Scene {
         objects,
         meshes: geometry.meshes,
+        material_names: materials.names(),
         materials: materials.materials,
         textures: materials.textures,
         media: Media::default(),
         lights,
         light_motions: Vec::new(),
+        light_groups: LightGroups::default(),
         camera,
         shutter: Shutter::instant(0.0),
         settings,
