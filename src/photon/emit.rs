@@ -39,14 +39,31 @@ pub struct EmissionPoints {
     time_shift: f64,
     seed: u64,
     pass: u32,
-    light: LightId,
+    /// Of a light and a group that it is aimed at.
+    number: u64,
+}
+
+/// Whither a light's photons set out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    pub aim: Aim,
+    /// Only where one of this group is met first do they go on, if a group is meant.
+    pub group: Option<u32>,
+}
+
+impl Target {
+    /// All that is within reach.
+    pub fn all(aim: Aim) -> Target {
+        Target { aim, group: None }
+    }
 }
 
 impl EmissionPoints {
     /// `n` > 0 points for `light`.
-    pub fn new(world: &World, light: LightId, aim: &Aim, share: Share, n: u64, pass: u32) -> Self {
-        let (settings, source) = (&world.scene.settings, world.lights.get(light));
-        let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, light.0.into());
+    pub fn new(world: &World, light: LightId, target: &Target, share: Share, n: u64, pass: u32) -> Self {
+        let (settings, source, aim) = (&world.scene.settings, world.lights.get(light), &target.aim);
+        let number = u64::from(light.0) + u64::from(target.group.unwrap_or(0)) * world.lights.len() as u64;
+        let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, number);
         let shift = [stream.uniform2(), stream.uniform2()];
         let time_shift = stream.uniform();
         let aspect = source.emission_aspect(aim);
@@ -63,14 +80,14 @@ impl EmissionPoints {
             time_shift,
             seed,
             pass,
-            light,
+            number,
         }
     }
 
     /// The random numbers of photon `i`'s own path.
     pub fn stream(&self, i: u64) -> Stream {
-        // The light's number sits above any photon index.
-        Stream::new(self.seed, Purpose::Photon, self.pass, i | u64::from(self.light.0) << 44)
+        // The number sits above any photon index.
+        Stream::new(self.seed, Purpose::Photon, self.pass, i | self.number << 44)
     }
 
     /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
@@ -129,6 +146,7 @@ pub(super) fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4
 #[derive(Clone, Debug)]
 pub struct EmissionPlan {
     pub light: LightId,
+    pub target: Target,
     /// Points that fill its emission map.
     pub points: u64,
     /// The cell that each stands for.
@@ -142,11 +160,17 @@ pub struct EmissionPlan {
 impl EmissionPlan {
     /// `n` photons for each light, evenly over its map; lights that are due none are left out. `share` gives the cell of
     /// each of a light's n photons.
-    pub fn even(lights: &Lights, due: &[u64], share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
+    pub fn even(
+        lights: &Lights,
+        target: Target,
+        due: &[u64],
+        share: impl Fn(LightId, u64) -> Share,
+    ) -> Vec<EmissionPlan> {
         let lights = lights.iter().zip(due).filter(|&(_, &n)| n > 0);
         lights
             .map(|((light, _), &points)| EmissionPlan {
                 light,
+                target,
                 points,
                 share: share(light, points),
                 guide: None,
@@ -165,8 +189,6 @@ impl EmissionPlan {
 #[derive(Clone, Debug)]
 pub struct Population {
     pub plans: Vec<EmissionPlan>,
-    /// Whither they set out.
-    pub aim: Aim,
     pub first_event: FirstEvent,
     /// How they go on from surfaces that scatter, if they do.
     pub bounces: Option<Bounces>,
@@ -181,7 +203,6 @@ pub struct Population {
 impl Population {
     pub const NONE: Population = Population {
         plans: Vec::new(),
-        aim: Aim::Everywhere,
         first_event: FirstEvent::Delta,
         bounces: None,
         sharing: f64::INFINITY,
@@ -194,7 +215,8 @@ impl Population {
 #[derive(Clone, Debug)]
 pub struct EmissionUnit {
     pub light: LightId,
-    /// As its plan's.
+    /// As its plan's, and the next one.
+    pub target: Target,
     pub eyes_part: f64,
     guide: Option<Arc<Guide>>,
     points: EmissionPoints,
@@ -203,16 +225,16 @@ pub struct EmissionUnit {
 
 impl EmissionUnit {
     /// Cuts a pass's photons into units of about `size`.
-    pub fn all(plans: &[EmissionPlan], world: &World, aim: &Aim, pass: u32, size: u64) -> Vec<EmissionUnit> {
+    pub fn all(plans: &[EmissionPlan], world: &World, pass: u32, size: u64) -> Vec<EmissionUnit> {
         let mut units = Vec::new();
         for plan in plans {
-            let (light, n) = (plan.light, plan.points);
-            let points = EmissionPoints::new(world, light, aim, plan.share, n, pass);
+            let (light, target, n) = (plan.light, plan.target, plan.points);
+            let points = EmissionPoints::new(world, light, &target, plan.share, n, pass);
             let step = (size as f64 * n as f64 / plan.photons()).ceil() as u64;
             for start in (0..n).step_by(step as usize) {
                 let range = start..(start + step).min(n);
                 let (guide, eyes_part) = (plan.guide.clone(), plan.eyes_part);
-                units.push(EmissionUnit { light, eyes_part, guide, points: points.clone(), range });
+                units.push(EmissionUnit { light, target, eyes_part, guide, points: points.clone(), range });
             }
         }
         units
@@ -220,7 +242,7 @@ impl EmissionUnit {
 
     /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that
     /// carry no flux count, but `photon` does not get them.
-    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
+    pub fn emit(&self, lights: &Lights, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
         let mut emitted = 0;
         for i in self.range.clone() {
             let mut stream = self.points.stream(i);
@@ -231,7 +253,7 @@ impl EmissionUnit {
             }
             emitted += 1;
             let time = self.points.time(i, &mut stream);
-            if let Some(emission) = lights.emit(self.light, u, aim, time).filter(|e| !e.flux.is_zero()) {
+            if let Some(emission) = lights.emit(self.light, u, &self.target.aim, time).filter(|e| !e.flux.is_zero()) {
                 photon(&self.points.share(emission, keep), time, &mut stream);
             }
         }

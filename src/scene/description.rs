@@ -7,6 +7,7 @@
 use super::camera::PixelFilter;
 use super::error::{Problem, Source};
 use super::mesh::TriangleMesh;
+use super::panorama::Panorama;
 use super::settings::RenderSettings;
 use super::texture::ImageTexture;
 
@@ -305,7 +306,7 @@ pub struct LightDescription {
     pub motion: Vec<MotionKey>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LightModel {
     /// W/sr.
     Point { position: [f64; 3], intensity: [f64; 3] },
@@ -315,6 +316,8 @@ pub enum LightModel {
     Directional { direction: [f64; 3], irradiance: [f64; 3], extent: ExtentDescription },
     /// W/(m²·sr).
     Environment { radiance: [f64; 3] },
+    /// An image of radiance, W/(m²·sr), times a factor.
+    Panorama(Panorama),
 }
 
 /// Cross-section of a collimated beam, metres.
