@@ -150,13 +150,15 @@ fn plans(
     let found: Vec<Found> =
         all.iter().zip(&due).map(|(&(light, _, target), &n)| learn(world, light, kind, target, n)).collect();
     let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
-    let plan = |((&(light, _, target), found), n): ((&(LightId, &dyn Light, &Target), Found), u64)| {
-        let (points, guide) = found.fill(n);
-        let (share, guide) = (share(light, target, points), guide.map(Arc::new));
-        EmissionPlan { light, target: *target, points, share, guide, eyes_part: 0.0 }
-    };
-    let lights = all.iter().zip(found).zip(select::allot(n, &worth));
-    lights.filter(|&(_, n)| n > 0).map(plan).collect()
+    let mut plans = Vec::new();
+    for ((&(light, _, target), found), n) in all.iter().zip(found).zip(select::allot(n, &worth)) {
+        if n > 0 {
+            let (points, guide) = found.fill(n);
+            let (share, guide) = (share(light, target, points), guide.map(Arc::new));
+            plans.push(EmissionPlan { light, target: *target, points, share, guide, eyes_part: 0.0 });
+        }
+    }
+    plans
 }
 
 /// How many of `n` photons share the directions out that were drawn for each at random.
