@@ -66,7 +66,7 @@ fn moved(source: LightSource, place: &Transform, described: &LightDescription, r
             LightSource::Directional { direction: turned(direction), irradiance, extent }
         }
         LightSource::Environment { .. } | LightSource::Panorama(_) => {
-            let problem = Problem::new("light: the environment has no motion");
+            let problem = Problem::new("light: the environment lies infinitely far away, it has no motion");
             report.problem(problem.help("take `motion` away").at(&described.source));
             source
         }
