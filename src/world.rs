@@ -1,5 +1,6 @@
 //! What rays fly through: the scene, a backend over its geometry, its lights and its textures.
 
+mod casters;
 mod flight;
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,14 +8,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::backend::{self, Backend, BackendError};
 use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
-use crate::math::{Bounds3, Dir3, Ray};
+use crate::math::{Dir3, Ray};
 use crate::medium::{LostCount, Regions};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
-use crate::scene::{Object, Scene, Textured};
+use crate::scene::{Scene, Textured};
 use crate::shape::Parametrisation;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
 
+pub use casters::Casters;
 pub use flight::{Flown, MediumPoint};
 
 /// Why a scene cannot be traced.
@@ -36,6 +38,8 @@ pub struct World {
     pub regions: Option<Regions>,
     /// Where caustics can come from: around all objects that can focus light.
     pub aim: Option<Aim>,
+    /// The objects that can, in groups.
+    pub casters: Option<Casters>,
     /// Whether any material bends normals by an image.
     bends_normals: bool,
     /// Hits so far that could not be found again in `f64`.
@@ -48,9 +52,10 @@ impl World {
         let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
         let textures = Textures::new(&scene.textures);
         let regions = Regions::new(&scene);
-        let aim = caster_aim(&scene);
+        let casters = Casters::new(&scene);
+        let aim = casters.as_ref().map(|casters| casters.whole);
         let bends_normals = scene.materials.iter().any(|material| material.normal_map().is_some());
-        Ok(World { scene, backend, lights, textures, regions, aim, bends_normals, inexact: AtomicU64::new(0) })
+        Ok(World { scene, backend, lights, textures, regions, aim, casters, bends_normals, inexact: AtomicU64::new(0) })
     }
 
     /// A time at which the shutter is open, drawn from `stream` if anything moves meanwhile.
@@ -130,21 +135,4 @@ impl World {
         let ray = World::shadow_ray(from, wi, distance);
         ray.t_max > 0.0 && !self.backend.occluded(&ray)
     }
-}
-
-/// The sphere around everything that can focus light, or `None` if nothing in the scene makes caustics.
-fn caster_aim(scene: &Scene) -> Option<Aim> {
-    let casters = || scene.objects.iter().filter(|object| scene.materials[object.material.index()].can_focus());
-    let bounds = casters().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
-    if bounds.is_empty() {
-        return None;
-    }
-    // Around each caster's own sphere, which for a ball is much tighter than around its box.
-    let centre = bounds.centre();
-    let reach = |object: &Object| {
-        let (c, r) = object.bounding_sphere();
-        centre.distance(c) + r
-    };
-    let radius = casters().map(reach).fold(0.0, f64::max);
-    Some(Aim::Sphere { centre, radius })
 }

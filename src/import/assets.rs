@@ -11,7 +11,7 @@ use crate::scene::description::{
     MaterialDescription, MaterialModel, MeshDescription, Parameter, Reference, TextureDescription,
 };
 use crate::scene::error::{Problem, Problems, Source};
-use crate::scene::texture::Wrap;
+use crate::scene::texture::{ImageTexture, Wrap};
 
 /// A mesh file and what is asked for its normals.
 type MeshKey = (PathBuf, Option<bool>);
@@ -75,6 +75,11 @@ impl Assets {
         used_at: &Source,
     ) -> Result<Volume, Problem> {
         volume::read(&self.folder.join(file), raw).map_err(|problem| problem.at_unless_placed(used_at))
+    }
+
+    /// An image that surrounds the scene.
+    pub fn panorama(&self, file: &str, space: Option<ColourSpace>, used_at: &Source) -> Result<ImageTexture, Problem> {
+        image::read(&self.folder.join(file), space, Wrap::Repeat).map_err(|problem| problem.at_unless_placed(used_at))
     }
 
     /// The index of a whole mesh file, read if it is new. `smooth`: compute normals, or have none; else the file's.

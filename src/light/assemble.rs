@@ -3,8 +3,8 @@
 use super::motion::LightMotion;
 use super::select::pick_weights;
 use super::{
-    Aim, AreaLight, DirectionalLight, Emission, EnvironmentLight, Light, LightSample, PointLight, SceneSphere,
-    SpotLight,
+    Aim, AreaLight, DirectionalLight, Emission, EnvironmentLight, Light, LightSample, PanoramaLight, PointLight,
+    SceneSphere, SpotLight,
 };
 use crate::math::{Dir3, Normal3, Point3};
 use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
@@ -24,6 +24,8 @@ pub enum LightError {
     ShapeCannotEmit { object: String, kind: &'static str },
     #[error("the cross-section of directional light {} has no area; its half axes must not be parallel", .light.0)]
     BeamWithoutArea { light: LightId },
+    #[error("the image of environment light {} is black", .light.0)]
+    BlackPanorama { light: LightId },
 }
 
 /// All lights of a scene, in the scene's order.
@@ -54,7 +56,7 @@ impl Lights {
         }
         let powers: Vec<f64> = lights.iter().map(|light| light.power().0.luminance()).collect();
         let environments = (0..scene.lights.len())
-            .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. }))
+            .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. } | LightSource::Panorama(_)))
             .map(|i| LightId(i as u32))
             .collect();
         Ok(Lights {
@@ -154,6 +156,10 @@ fn build(scene: &Scene, id: LightId, source: &LightSource, sphere: SceneSphere) 
         }
         LightSource::Environment { radiance } => {
             Box::new(EnvironmentLight { radiance: Radiance(*radiance), scene: sphere })
+        }
+        LightSource::Panorama(panorama) => {
+            let light = PanoramaLight::new(panorama.as_ref().clone(), sphere);
+            Box::new(light.ok_or(LightError::BlackPanorama { light: id })?)
         }
     })
 }

@@ -9,6 +9,7 @@ mod assemble;
 mod directional;
 mod environment;
 mod motion;
+mod panorama;
 mod point;
 pub mod select;
 mod spot;
@@ -18,6 +19,7 @@ pub use area::AreaLight;
 pub use assemble::{LightError, Lights};
 pub use directional::DirectionalLight;
 pub use environment::EnvironmentLight;
+pub use panorama::PanoramaLight;
 pub use point::PointLight;
 pub use select::LightChoice;
 pub use spot::SpotLight;
@@ -129,7 +131,7 @@ pub trait Light: Send + Sync + std::fmt::Debug {
         1.0
     }
 
-    /// Whether all its rays are parallel, so that only where they start can vary.
+    /// Whether all its rays are parallel, or nearly so: where they start says where they land.
     fn is_collimated(&self) -> bool {
         false
     }

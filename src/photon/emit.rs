@@ -48,7 +48,8 @@ pub struct EmissionPoints {
     times: Times,
     seed: u64,
     pass: u32,
-    light: LightId,
+    /// Of a light and a group that it is aimed at.
+    number: u64,
     part: Part,
 }
 
@@ -72,17 +73,33 @@ impl Part {
         (0..count).map(move |number| (Part { number, first: first(number), size }, first(number + 1) - first(number)))
     }
 
-    /// A number that is another for each light and part.
-    fn of_light(&self, light: LightId) -> u64 {
-        u64::from(light.0) | u64::from(self.number) << 32
+    /// A number that is another for each of `number` and part.
+    fn of_light(&self, number: u64) -> u64 {
+        number | u64::from(self.number) << 32
+    }
+}
+
+/// Whither a light's photons set out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    pub aim: Aim,
+    /// Only where one of this group is met first do they go on, if a group is meant.
+    pub group: Option<u32>,
+}
+
+impl Target {
+    /// All that is within reach.
+    pub fn all(aim: Aim) -> Target {
+        Target { aim, group: None }
     }
 }
 
 impl EmissionPoints {
     /// `n` > 0 points for `light`.
-    pub fn new(world: &World, light: LightId, aim: &Aim, share: Share, n: u64, pass: u32) -> Self {
-        let (settings, source) = (&world.scene.settings, world.lights.get(light));
-        let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, light.0.into());
+    pub fn new(world: &World, light: LightId, target: &Target, share: Share, n: u64, pass: u32) -> Self {
+        let (settings, source, aim) = (&world.scene.settings, world.lights.get(light), &target.aim);
+        let number = u64::from(light.0) + u64::from(target.group.unwrap_or(0)) * world.lights.len() as u64;
+        let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, number);
         let shift = [stream.uniform2(), stream.uniform2()];
         let shutter = world.scene.shutter;
         let times = match settings.emission {
@@ -103,7 +120,7 @@ impl EmissionPoints {
             times,
             seed,
             pass,
-            light,
+            number,
             part: Part::WHOLE,
         }
     }
@@ -111,15 +128,15 @@ impl EmissionPoints {
     /// As `part` of several, all of whose photons set out at `time`, s: a pattern of its own, so that each moment's light is
     /// as even as that of a scene which stands still.
     fn at_once(self, part: Part, time: f64) -> Self {
-        let mut stream = Stream::new(self.seed, Purpose::Lattice, self.pass, part.of_light(self.light));
+        let mut stream = Stream::new(self.seed, Purpose::Lattice, self.pass, part.of_light(self.number));
         let shift = [stream.uniform2(), stream.uniform2()];
         EmissionPoints { times: Times::Instant(time), shift, part, ..self }
     }
 
     /// The random numbers of photon `i`'s own path.
     pub fn stream(&self, i: u64) -> Stream {
-        // The light's number sits above any photon index.
-        Stream::new(self.seed, Purpose::Photon, self.pass, (self.part.first + i) | u64::from(self.light.0) << 44)
+        // The number sits above any photon index.
+        Stream::new(self.seed, Purpose::Photon, self.pass, (self.part.first + i) | self.number << 44)
     }
 
     /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
@@ -175,6 +192,7 @@ pub(super) fn leading(collimated: bool, [u, v, theta, phi]: [f64; 4]) -> [f64; 4
 #[derive(Clone, Debug)]
 pub struct EmissionPlan {
     pub light: LightId,
+    pub target: Target,
     /// Points that fill its emission map.
     pub points: u64,
     /// The cell that each stands for.
@@ -188,11 +206,17 @@ pub struct EmissionPlan {
 impl EmissionPlan {
     /// `n` photons for each light, evenly over its map; lights that are due none are left out. `share` gives the cell of
     /// each of a light's n photons.
-    pub fn even(lights: &Lights, due: &[u64], share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
+    pub fn even(
+        lights: &Lights,
+        target: Target,
+        due: &[u64],
+        share: impl Fn(LightId, u64) -> Share,
+    ) -> Vec<EmissionPlan> {
         let lights = lights.iter().zip(due).filter(|&(_, &n)| n > 0);
         lights
             .map(|((light, _), &points)| EmissionPlan {
                 light,
+                target,
                 points,
                 share: share(light, points),
                 guide: None,
@@ -211,8 +235,6 @@ impl EmissionPlan {
 #[derive(Clone, Debug)]
 pub struct Population {
     pub plans: Vec<EmissionPlan>,
-    /// Whither they set out.
-    pub aim: Aim,
     pub first_event: FirstEvent,
     /// How they go on from surfaces that scatter, if they do.
     pub bounces: Option<Bounces>,
@@ -227,7 +249,6 @@ pub struct Population {
 impl Population {
     pub const NONE: Population = Population {
         plans: Vec::new(),
-        aim: Aim::Everywhere,
         first_event: FirstEvent::Delta,
         bounces: None,
         sharing: f64::INFINITY,
@@ -240,7 +261,8 @@ impl Population {
 #[derive(Clone, Debug)]
 pub struct EmissionUnit {
     pub light: LightId,
-    /// As its plan's.
+    /// As its plan's, and the next one.
+    pub target: Target,
     pub eyes_part: f64,
     guide: Option<Arc<Guide>>,
     points: EmissionPoints,
@@ -250,33 +272,23 @@ pub struct EmissionUnit {
 impl EmissionUnit {
     /// Cuts a pass's photons into units of about `size`, for each of the `instants` at which they set out, s; without these
     /// each has its own time.
-    pub fn all(
-        plans: &[EmissionPlan],
-        world: &World,
-        aim: &Aim,
-        pass: u32,
-        size: u64,
-        instants: &[f64],
-    ) -> Vec<EmissionUnit> {
-        plans
-            .iter()
-            .flat_map(|plan| Self::parts(plan, world, aim, pass, instants))
-            .flat_map(|unit| unit.cut(size))
-            .collect()
+    pub fn all(plans: &[EmissionPlan], world: &World, pass: u32, size: u64, instants: &[f64]) -> Vec<EmissionUnit> {
+        plans.iter().flat_map(|plan| Self::parts(plan, world, pass, instants)).flat_map(|unit| unit.cut(size)).collect()
     }
 
     /// A plan's photons, those of an instant together.
-    fn parts(plan: &EmissionPlan, world: &World, aim: &Aim, pass: u32, instants: &[f64]) -> Vec<EmissionUnit> {
-        let EmissionPlan { light, points: n, share, ref guide, eyes_part } = *plan;
+    fn parts(plan: &EmissionPlan, world: &World, pass: u32, instants: &[f64]) -> Vec<EmissionUnit> {
+        let EmissionPlan { light, target, points: n, share, ref guide, eyes_part } = *plan;
         let unit = |points: EmissionPoints, n: u64| EmissionUnit {
             light,
+            target,
             eyes_part,
             guide: guide.clone(),
             points,
             range: 0..n,
         };
         if instants.is_empty() {
-            return vec![unit(EmissionPoints::new(world, light, aim, share, n, pass), n)];
+            return vec![unit(EmissionPoints::new(world, light, &target, share, n, pass), n)];
         }
         // A single photon cannot set out at several times.
         let count = (instants.len() as u64).min(n) as u32;
@@ -284,7 +296,7 @@ impl EmissionUnit {
         Part::all(n, count)
             .map(|(part, n)| {
                 let time = instants[part.number as usize * instants.len() / count as usize];
-                unit(EmissionPoints::new(world, light, aim, share, n, pass).at_once(part, time), n)
+                unit(EmissionPoints::new(world, light, &target, share, n, pass).at_once(part, time), n)
             })
             .collect()
     }
@@ -302,7 +314,7 @@ impl EmissionUnit {
 
     /// Emits the unit's photons in order, each at its time and with its own stream, and returns how many; samples that
     /// carry no flux count, but `photon` does not get them.
-    pub fn emit(&self, lights: &Lights, aim: &Aim, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
+    pub fn emit(&self, lights: &Lights, mut photon: impl FnMut(&Emission, f64, &mut Stream)) -> u64 {
         let mut emitted = 0;
         for i in self.range.clone() {
             let mut stream = self.points.stream(i);
@@ -313,7 +325,7 @@ impl EmissionUnit {
             }
             emitted += 1;
             let time = self.points.time(i, &mut stream);
-            if let Some(emission) = lights.emit(self.light, u, aim, time).filter(|e| !e.flux.is_zero()) {
+            if let Some(emission) = lights.emit(self.light, u, &self.target.aim, time).filter(|e| !e.flux.is_zero()) {
                 photon(&self.points.share(emission, keep), time, &mut stream);
             }
         }

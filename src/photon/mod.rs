@@ -25,7 +25,7 @@ pub mod trace;
 pub use beam::{Beam, BeamWidth};
 pub use bounce::Bounces;
 pub use collision::Collision;
-pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population};
+pub use emit::{EmissionPlan, EmissionPoints, EmissionUnit, Population, Target};
 pub use kinds::Kinds;
 pub use map::{PhotonHarvest, PhotonMap};
 pub use path::{FirstEvent, PathLimits, PhotonCounts};

@@ -40,6 +40,9 @@ pub struct PhotonCounts {
     pub edge_images: u64,
     /// Met no lobe at their first surface that their kind goes on through: direct light, which the eye path gathers itself.
     pub direct: u64,
+    /// Met an object of another group than they were aimed at first: light that the other group's photons bring.
+    #[serde(default)]
+    pub other_group: u64,
     /// Went on from a surface that scatters.
     pub bounced: u64,
     /// Left the scene.
@@ -70,6 +73,7 @@ impl PhotonCounts {
         self.photons_stored += other.photons_stored;
         self.edge_images += other.edge_images;
         self.direct += other.direct;
+        self.other_group += other.other_group;
         self.bounced += other.bounced;
         self.escaped += other.escaped;
         self.absorbed += other.absorbed;

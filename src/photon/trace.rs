@@ -14,7 +14,7 @@ use super::beam::Beam;
 use super::bounce::Bounces;
 use super::columns::Columns;
 use super::edge;
-use super::emit::Population;
+use super::emit::{Population, Target};
 use super::footprint::Spread;
 use super::kinds::Kinds;
 use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
@@ -39,6 +39,8 @@ pub struct PhotonTracer<'a, const N: usize, const T: usize = 0> {
     /// Semi-axis of a scattered photon's footprint at most, m.
     widest: f64,
     first_event: FirstEvent,
+    /// The objects that count as their first, if not all do.
+    group: Option<u32>,
     bounces: Option<Bounces>,
     sharing: f64,
     /// The photons' part of caustics.
@@ -118,6 +120,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             spread,
             widest: WIDEST * world.scene.bounds.bounding_sphere().1,
             first_event: FirstEvent::Delta,
+            group: None,
             bounces: None,
             sharing: f64::INFINITY,
             part: 1.0,
@@ -136,6 +139,11 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         let &Population { first_event, bounces, sharing, stores_scattered, makes_beams, .. } = population;
         let beams = makes_beams.then(Kinds::default);
         PhotonTracer { first_event, bounces, sharing, stores_scattered, beams, ..self }
+    }
+
+    /// For photons towards a group of objects.
+    pub fn towards(self, target: &Target) -> Self {
+        PhotonTracer { group: target.group, ..self }
     }
 
     /// For photons of a light of whose caustics eye paths bring that part.
@@ -188,6 +196,10 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             Some(regions) => self.cross(regions, &mut branch, stream),
         };
         let Some(si) = met else { return };
+        if branch.edge == 1 && self.is_of_another_group(&si) {
+            self.counts.other_group += 1;
+            return;
+        }
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
         let motion = self.motion(&si);
         let columns = match self.bounces.filter(|_| straight_from_bounce) {
@@ -230,6 +242,12 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         if let Some(bounces) = &bounces {
             self.bounce(bounces, &si, &bsdf, &branch, &columns, stream);
         }
+    }
+
+    /// Whether photons towards another group than this tracer's bring the light that meets `si` first.
+    fn is_of_another_group(&self, si: &Interaction) -> bool {
+        let of = |object| self.world.casters.as_ref().and_then(|casters| casters.group_of(object));
+        self.group.is_some_and(|group| of(si.object).is_some_and(|other| other != group))
     }
 
     /// How the surface moves in a time cell.

@@ -12,11 +12,11 @@ use crate::photon::footprint::Spread;
 use crate::photon::guide::{self, Found};
 use crate::photon::survey::Survey;
 use crate::photon::{
-    Bounces, EmissionPlan, EmissionUnit, FirstEvent, Kinds, PathLimits, PhotonTracer, Population, Share,
+    Bounces, EmissionPlan, EmissionUnit, FirstEvent, Kinds, PathLimits, PhotonTracer, Population, Share, Target,
 };
 use crate::scene::LightId;
 use crate::scene::settings::{BounceFootprint, Estimator, FootprintRule, Guiding};
-use crate::world::World;
+use crate::world::{Casters, World};
 
 /// Units that say how many of a population's photons are of use, and photons in each.
 const PILOT_UNITS: usize = 64;
@@ -58,18 +58,39 @@ pub fn beam_plan(world: &World, photons: &Kinds<Population>) -> Kinds<Population
 /// Photons to the specular objects.
 pub(super) fn caustics(world: &World) -> Population {
     let mut population = caustics_of(world, world.scene.settings.photons, false);
+    // An eye path that runs into a light does not say over which group: the least part of a light's is that of all.
+    let mut least = vec![f64::INFINITY; world.lights.len()];
+    for plan in &population.plans {
+        let least = &mut least[plan.light.index()];
+        *least = least.min(mis::eyes_part(world, plan));
+    }
     for plan in &mut population.plans {
-        plan.eyes_part = mis::eyes_part(world, &population.aim, plan);
+        plan.eyes_part = least[plan.light.index()];
     }
     population
 }
 
 fn caustics_of(world: &World, n: u64, makes_beams: bool) -> Population {
-    let Some(aim) = world.aim else { return Population::NONE };
+    let Some(casters) = &world.casters else { return Population::NONE };
     let stores_scattered = partition::photons_bring_scattered(&world.scene.settings);
-    let kind = Population { aim, sharing: sharing(world, n as f64), stores_scattered, makes_beams, ..Population::NONE };
-    let plans = plans(world, n, &kind, |light, n| share_of(world, light, &aim, n));
+    let kind = Population { sharing: sharing(world, n as f64), stores_scattered, makes_beams, ..Population::NONE };
+    let plans = plans(world, n, &kind, &targets(world, casters), |light, target, n| share_of(world, light, target, n));
     Population { plans, bounces: bounces(world, n as f64, BOUNCED_SHARE), ..kind }
+}
+
+/// What photons for caustics are aimed at: each group for itself where they are guided.
+fn targets(world: &World, casters: &Casters) -> Vec<Target> {
+    if casters.groups.len() < 2 || !is_guided(world) || world.regions.is_some() {
+        return vec![Target::all(casters.whole)];
+    }
+    casters.groups.iter().zip(0..).map(|(&aim, group)| Target { aim, group: Some(group) }).collect()
+}
+
+/// Whether photons go where they are of use. Only footprints can do with photons of unequal light, wider where there are few;
+/// discs of the standard estimates would show each of the bright ones as a spot.
+fn is_guided(world: &World) -> bool {
+    let settings = &world.scene.settings;
+    settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials
 }
 
 /// Photons to everything else: as many as it takes for a number that goes on. Those that leave the scene cost little.
@@ -86,45 +107,58 @@ fn bounced(world: &World, photons: f64, makes_beams: bool) -> Population {
         makes_beams,
         ..Population::NONE
     };
-    let share = |light, n| {
+    let share = |light, _: &Target, n| {
         let source = world.lights.get(light);
         if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
     };
-    let mut population = Population { plans: plans(world, n as u64, &kind, share), ..kind };
+    let everywhere = [Target::all(Aim::Everywhere)];
+    let mut population = Population { plans: plans(world, n as u64, &kind, &everywhere, share), ..kind };
     let useful = useful_part(world, &population).max(LEAST_USEFUL);
     for plan in &mut population.plans {
         plan.points = (plan.points as f64 / useful).ceil() as u64;
-        plan.share = share(plan.light, plan.points);
+        plan.share = share(plan.light, &plan.target, plan.points);
     }
     population
 }
 
 /// Which part of a population's photons is of use.
 fn useful_part(world: &World, population: &Population) -> f64 {
-    let units = EmissionUnit::all(&population.plans, world, &population.aim, 0, PHOTONS_PER_PILOT_UNIT, &[]);
+    let units = EmissionUnit::all(&population.plans, world, 0, PHOTONS_PER_PILOT_UNIT, &[]);
     let mut tracer = PhotonTracer::<0, 0>::new(world, limits(world), UNIT_SPREAD).of(population);
     let (mut emitted, mut useful) = (0, 0);
     for unit in units.iter().step_by(units.len().div_ceil(PILOT_UNITS).max(1)) {
-        emitted += unit.emit(&world.lights, &population.aim, |emission, time, stream| {
+        emitted += unit.emit(&world.lights, |emission, time, stream| {
             useful += u64::from(tracer.is_useful(emission, time, stream));
         });
     }
     useful as f64 / emitted.max(1) as f64
 }
 
-/// `n` photons of one kind, in proportion to what each light can send to where they are aimed, of which pilots learn where
-/// they are of use. `share` gives the cell of each of a light's so many photons.
-fn plans(world: &World, n: u64, kind: &Population, share: impl Fn(LightId, u64) -> Share) -> Vec<EmissionPlan> {
-    let due = world.lights.allot(n, &kind.aim);
+/// `n` photons of one kind, in proportion to what each light can send to each of the targets, of which pilots learn where
+/// they are of use. `share` gives the cell of each of so many photons of a light to a target.
+fn plans(
+    world: &World,
+    n: u64,
+    kind: &Population,
+    targets: &[Target],
+    share: impl Fn(LightId, &Target, u64) -> Share,
+) -> Vec<EmissionPlan> {
+    let towards = |target| world.lights.iter().map(move |(light, source)| (light, source, target));
+    let all: Vec<(LightId, &dyn Light, &Target)> = targets.iter().flat_map(towards).collect();
+    let sent: Vec<f64> = all.iter().map(|(_, source, to)| source.emitted_flux(&to.aim).0.luminance()).collect();
+    let due = select::allot(n, &sent);
     let found: Vec<Found> =
-        world.lights.iter().zip(&due).map(|((light, _), &n)| learn(world, light, kind, n)).collect();
+        all.iter().zip(&due).map(|(&(light, _, target), &n)| learn(world, light, kind, target, n)).collect();
     let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
-    let plan = |(((light, _), found), n): (((LightId, &dyn Light), Found), u64)| {
-        let (points, guide) = found.fill(n);
-        EmissionPlan { light, points, share: share(light, points), guide: guide.map(Arc::new), eyes_part: 0.0 }
-    };
-    let lights = world.lights.iter().zip(found).zip(select::allot(n, &worth));
-    lights.filter(|&(_, n)| n > 0).map(plan).collect()
+    let mut plans = Vec::new();
+    for ((&(light, _, target), found), n) in all.iter().zip(found).zip(select::allot(n, &worth)) {
+        if n > 0 {
+            let (points, guide) = found.fill(n);
+            let (share, guide) = (share(light, target, points), guide.map(Arc::new));
+            plans.push(EmissionPlan { light, target: *target, points, share, guide, eyes_part: 0.0 });
+        }
+    }
+    plans
 }
 
 /// How many of `n` photons share the directions out that were drawn for each at random.
@@ -154,22 +188,27 @@ fn bounces(world: &World, n: f64, share: f64) -> Option<Bounces> {
     (settings.max_bounces > 0).then_some(bounces)
 }
 
-/// Where on its emission map photons of a light that is due `n` of them are of use. Only footprints can do with photons of
-/// unequal light, wider where there are few; discs of the standard estimates would show each of the bright ones as a spot.
-fn learn(world: &World, light: LightId, kind: &Population, n: u64) -> Found {
-    let (settings, source) = (&world.scene.settings, world.lights.get(light));
-    let guided = settings.guiding == Guiding::On && settings.estimator == Estimator::Differentials && !kind.makes_beams;
+/// Where on its emission map photons of a light that is due `n` of them to a target are of use.
+fn learn(world: &World, light: LightId, kind: &Population, target: &Target, n: u64) -> Found {
+    let guided = is_guided(world) && !kind.makes_beams;
     let Some(survey) = Survey::new(n).filter(|_| guided) else { return Found::Everywhere };
+    let is_delta = world.lights.get(light).is_delta();
     // Nobody stops it: it takes less than a pass's photons.
-    explored(world, light, kind, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, source.is_delta()))
+    explored(world, light, kind, target, survey).map_or(Found::Everywhere, |survey| guide::found(&survey, is_delta))
 }
 
 /// Pilots fill the survey, more and more finely.
-fn explored(world: &World, light: LightId, kind: &Population, mut survey: Survey) -> Result<Survey, Stopped> {
+fn explored(
+    world: &World,
+    light: LightId,
+    kind: &Population,
+    target: &Target,
+    mut survey: Survey,
+) -> Result<Survey, Stopped> {
     loop {
         let row = |row: usize| {
-            let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD).of(kind);
-            survey.explore(&world.lights, light, &kind.aim, row, &mut tracer)
+            let mut tracer = PhotonTracer::new(world, limits(world), UNIT_SPREAD).of(kind).towards(target);
+            survey.explore(&world.lights, light, &target.aim, row, &mut tracer)
         };
         let rows = collect_units(survey.side, &Unattended(&Silent), row)?;
         survey.learn(rows);
@@ -180,7 +219,7 @@ fn explored(world: &World, light: LightId, kind: &Population, mut survey: Survey
 }
 
 /// The cells of a light's photons. The parallelogram belongs to the slides' method, and so do the slides' cells.
-fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
+fn share_of(world: &World, light: LightId, target: &Target, n: u64) -> Share {
     let settings = &world.scene.settings;
     let source = world.lights.get(light);
     if settings.footprint == FootprintRule::Parallelogram {
@@ -189,8 +228,8 @@ fn share_of(world: &World, light: LightId, aim: &Aim, n: u64) -> Share {
     if source.is_delta() {
         return Share::leading(n, source.is_collimated());
     }
-    let mut pilot = PhotonTracer::new(world, limits(world), UNIT_SPREAD);
-    Share::balanced(&world.lights, light, aim, n, &mut pilot)
+    let mut pilot = PhotonTracer::new(world, limits(world), UNIT_SPREAD).towards(target);
+    Share::balanced(&world.lights, light, &target.aim, n, &mut pilot)
 }
 
 /// Of every photon's path.

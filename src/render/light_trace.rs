@@ -19,7 +19,7 @@ use crate::film::{Arrival, Exposure, LightKind, Part, SplatBuffer};
 use crate::light::{Aim, Emission};
 use crate::math::{Dir3, Ray};
 use crate::medium::Inside;
-use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share};
+use crate::photon::{EmissionPlan, EmissionUnit, FirstEvent, Share, Target};
 use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
 use crate::sampling::warp::{ConcentricDisk, Warp};
@@ -32,31 +32,25 @@ use crate::world::{Flown, World};
 const PATHS_PER_UNIT: u64 = 16384;
 
 /// Light paths of one kind in a pass.
-struct Kind<'a> {
+struct Kind {
     exposure: Exposure,
-    aim: &'a Aim,
     first_event: FirstEvent,
     units: Vec<EmissionUnit>,
 }
 
-impl<'a> Kind<'a> {
-    fn new(
-        world: &World,
-        pass: u32,
-        exposure: Exposure,
-        (aim, first_event): (&'a Aim, FirstEvent),
-        paths: u64,
-    ) -> Kind<'a> {
-        let plans = EmissionPlan::even(&world.lights, &world.lights.allot(paths, aim), |light, n| {
+impl Kind {
+    fn new(world: &World, pass: u32, exposure: Exposure, (aim, first_event): (&Aim, FirstEvent), paths: u64) -> Kind {
+        let due = world.lights.allot(paths, aim);
+        let plans = EmissionPlan::even(&world.lights, Target::all(*aim), &due, |light, n| {
             let source = world.lights.get(light);
             if source.is_delta() { Share::leading(n, source.is_collimated()) } else { Share::same(n) }
         });
-        let units = EmissionUnit::all(&plans, world, aim, pass, PATHS_PER_UNIT, &[]);
-        Kind { exposure, aim, first_event, units }
+        let units = EmissionUnit::all(&plans, world, pass, PATHS_PER_UNIT, &[]);
+        Kind { exposure, first_event, units }
     }
 
     /// The kinds of pass `pass`: `settings.photons` light paths over all lights.
-    fn all(world: &'a World, pass: u32) -> Vec<Kind<'a>> {
+    fn all(world: &World, pass: u32) -> Vec<Kind> {
         let all = world.scene.settings.photons;
         let to_all = (&Aim::Everywhere, FirstEvent::Scatter);
         match &world.aim {
@@ -90,7 +84,7 @@ pub fn render_pass(job: &Job, state: &mut RenderState) -> Result<(), Stopped> {
         let splats = SplatBuffer::new(bounds, pass, filter);
         let group = world.scene.light_groups.of(kind.units[unit].light);
         let mut tracer = LightTracer { world, camera, first_event: kind.first_event, group, splats };
-        kind.units[unit].emit(&world.lights, kind.aim, |emission, time, stream| tracer.trace(emission, time, stream));
+        kind.units[unit].emit(&world.lights, |emission, time, stream| tracer.trace(emission, time, stream));
         tracer.splats
     };
     run_units(&missing, job.watch, trace, |i, splats| {

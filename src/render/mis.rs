@@ -14,7 +14,6 @@ use std::f64::consts::PI;
 
 use super::emission::limits;
 use super::photon_map::spread;
-use crate::light::Aim;
 use crate::photon::{EmissionPlan, EmissionPoints, PhotonTracer};
 use crate::sampling::{Purpose, Stream};
 use crate::scene::settings::{Caustics, Estimator};
@@ -26,22 +25,22 @@ const PILOTS: u64 = 512;
 const LEAST: f64 = 0.05;
 
 /// The eye's part of the caustics of a plan's light. Footprints alone have an area to weigh; discs get all.
-pub fn eyes_part(world: &World, aim: &Aim, plan: &EmissionPlan) -> f64 {
+pub fn eyes_part(world: &World, plan: &EmissionPlan) -> f64 {
     let settings = &world.scene.settings;
     let source = world.lights.get(plan.light);
     let alone = settings.caustics == Caustics::Photons || settings.estimator != Estimator::Differentials;
     if alone || source.is_delta() {
         return 0.0;
     }
-    let Some(ratio) = mean_ratio(world, aim, plan) else { return 0.0 };
+    let Some(ratio) = mean_ratio(world, plan) else { return 0.0 };
     let part = 1.0 / (1.0 + ratio / f64::from(settings.spp));
     if part < LEAST { 0.0 } else { part }
 }
 
 /// The geometric mean of r over the photons that pilots store; `None` if there are none.
-fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
-    let points = EmissionPoints::new(world, plan.light, aim, plan.share, plan.points, 0);
-    let mut tracer = PhotonTracer::<4, 0>::new(world, limits(world), spread(world, 0));
+fn mean_ratio(world: &World, plan: &EmissionPlan) -> Option<f64> {
+    let points = EmissionPoints::new(world, plan.light, &plan.target, plan.share, plan.points, 0);
+    let mut tracer = PhotonTracer::<4, 0>::new(world, limits(world), spread(world, 0)).towards(&plan.target);
     let (mut log_ratio, mut photons) = (0.0, 0u32);
     let step = (plan.points / PILOTS).max(1);
     for i in (0..plan.points).step_by(step as usize) {
@@ -51,7 +50,7 @@ fn mean_ratio(world: &World, aim: &Aim, plan: &EmissionPlan) -> Option<f64> {
             continue;
         }
         let time = points.time(i, &mut stream);
-        let Some(emission) = world.lights.emit(plan.light, u, aim, time) else { continue };
+        let Some(emission) = world.lights.emit(plan.light, u, &plan.target.aim, time) else { continue };
         let (Some(pdf_a), Some(pdf_w)) = (emission.pdf_a, emission.pdf_w) else { continue };
         let cosine = emission.normal.map_or(1.0, |n| n.dot(emission.direction).abs());
         let density = plan.points as f64 * pdf_a.get() * pdf_w.get() / cosine;

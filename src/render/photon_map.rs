@@ -141,8 +141,7 @@ impl Unit<'_> {
 pub(super) fn units<'a>(world: &World, plans: &'a Kinds<Population>, pass: u32) -> Vec<Unit<'a>> {
     let instants = instants(world, pass);
     let of = |population: &'a Population| {
-        let Population { plans, aim, .. } = population;
-        let all = EmissionUnit::all(plans, world, aim, pass, PHOTONS_PER_UNIT, &instants);
+        let all = EmissionUnit::all(&population.plans, world, pass, PHOTONS_PER_UNIT, &instants);
         all.into_iter().map(move |emission| Unit { population, emission })
     };
     plans.as_ref().into_array().into_iter().flat_map(of).collect()
@@ -167,10 +166,10 @@ pub(super) fn trace_unit(world: &World, unit: &Unit, spread: Spread, cells: Time
 fn trace_with<const N: usize, const T: usize>(world: &World, unit: &Unit, spread: Spread, cells: TimeCells) -> Traced {
     let mut tracer = PhotonTracer::<N, T>::new(world, limits(world), spread)
         .of(unit.population)
+        .towards(&unit.emission.target)
         .beside_eyes(unit.emission.eyes_part)
         .over(cells);
-    let aim = &unit.population.aim;
-    let emitted = unit.emission.emit(&world.lights, aim, |emission, time, stream| tracer.trace(emission, time, stream));
+    let emitted = unit.emission.emit(&world.lights, |emission, time, stream| tracer.trace(emission, time, stream));
     tracer.counts.photons_emitted = emitted;
     let PhotonTracer { stored, beams, counts, .. } = tracer;
     Traced { stored, beams, counts }

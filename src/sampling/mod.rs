@@ -2,6 +2,7 @@
 
 pub mod discrete;
 pub mod lattice;
+pub mod piecewise;
 pub mod pixel;
 pub mod qmc;
 pub mod stream;

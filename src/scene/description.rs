@@ -10,6 +10,7 @@ use super::camera::PixelFilter;
 use super::density::DensityGrid;
 use super::error::{Problem, Source};
 use super::mesh::TriangleMesh;
+use super::panorama::Panorama;
 use super::settings::RenderSettings;
 use super::texture::ImageTexture;
 
@@ -314,7 +315,7 @@ pub struct LightDescription {
     pub motion: Vec<MotionKey>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum LightModel {
     /// W/sr.
     Point { position: [f64; 3], intensity: [f64; 3] },
@@ -324,6 +325,8 @@ pub enum LightModel {
     Directional { direction: [f64; 3], irradiance: [f64; 3], extent: ExtentDescription },
     /// W/(m²·sr).
     Environment { radiance: [f64; 3] },
+    /// An image of radiance, W/(m²·sr), times a factor.
+    Panorama(Panorama),
 }
 
 /// Cross-section of a collimated beam, metres.

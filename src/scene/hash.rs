@@ -12,6 +12,7 @@ use super::description::{
     ObjectDescription, Reference, SceneDescription, ShapeDescription, TransformMap, TransformStep,
 };
 use super::mesh::TriangleMesh;
+use super::panorama::{Panorama, Projection};
 use super::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeKernel,
     TimeResolution,
@@ -399,6 +400,18 @@ impl Canonical {
             LightModel::Environment { radiance } => {
                 self.tag("environment");
                 self.numbers(&radiance);
+            }
+            LightModel::Panorama(ref panorama) => {
+                // Its part is no part of a description.
+                let Panorama { image, projection, axes, factor, part: _ } = panorama;
+                self.tag(match projection {
+                    Projection::LatLong => "lat-long panorama",
+                    Projection::Octahedral => "octahedral panorama",
+                });
+                self.numbers(axes.map(|axis| axis.to_array()).as_flattened());
+                self.numbers(&factor.to_array());
+                self.count(image.width);
+                self.singles(&image.texels);
             }
         }
         self.group(light.group.as_ref());

@@ -1,6 +1,9 @@
 //! Light sources as the scene file names them.
 
+use std::sync::Arc;
+
 use super::ids::ObjectId;
+use super::panorama::Panorama;
 use crate::math::{Dir3, Point3, Vec3};
 use crate::radiometry::Spectrum;
 
@@ -34,4 +37,6 @@ pub enum LightSource {
     Area { object: ObjectId, radiance: Spectrum, two_sided: bool },
     /// The same `radiance` in W/(m²·sr) from everywhere.
     Environment { radiance: Spectrum },
+    /// From everywhere, by an image.
+    Panorama(Arc<Panorama>),
 }

@@ -18,6 +18,7 @@ pub mod mesh;
 pub mod metal;
 pub mod named_settings;
 pub mod object;
+pub mod panorama;
 pub mod settings;
 pub mod spelling;
 pub mod texture;
@@ -32,6 +33,7 @@ pub use material::Material;
 pub use medium::{Media, Medium};
 pub use mesh::TriangleMesh;
 pub use object::{Object, ObjectGeometry};
+pub use panorama::Panorama;
 pub use settings::RenderSettings;
 pub use texture::{ImageTexture, Textured};
 

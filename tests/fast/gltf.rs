@@ -187,12 +187,13 @@ fn candela_and_lux_become_watts() {
         .set("/extensionsUsed", json!(["KHR_lights_punctual"]))
         .set("/extensions", json!({"KHR_lights_punctual": {"lights": lights}}));
     let scene = read(&file);
-    let models: Vec<LightModel> = scene.lights.iter().map(|light| light.model).collect();
-    let [LightModel::Point { intensity, .. }, LightModel::Directional { irradiance, direction, .. }, spot] = models[..]
+    let models: Vec<LightModel> = scene.lights.iter().map(|light| light.model.clone()).collect();
+    let [LightModel::Point { intensity, .. }, LightModel::Directional { irradiance, direction, .. }, ref spot] =
+        models[..]
     else {
         panic!("{models:?}")
     };
-    let LightModel::Spot { position, target, intensity: in_cone, angle_degrees, penumbra_degrees } = spot else {
+    let LightModel::Spot { position, target, intensity: in_cone, angle_degrees, penumbra_degrees } = *spot else {
         panic!("{spot:?}")
     };
     assert_eq!(intensity, [1.0, 0.5, 0.0]);

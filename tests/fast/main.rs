@@ -36,6 +36,7 @@ mod scene_file;
 mod bsdf_delta;
 mod bsdf_energy;
 mod chi2_support;
+mod panorama;
 mod parts;
 mod pbrt;
 mod shape_derivatives;

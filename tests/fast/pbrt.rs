@@ -122,7 +122,7 @@ fn instances_show_a_mesh_that_is_kept_once() {
 }
 
 fn lights(text: &str) -> Vec<LightModel> {
-    world(text).lights.iter().map(|light| light.model).collect()
+    world(text).lights.iter().map(|light| light.model.clone()).collect()
 }
 
 #[test]

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 use pdembree::math::{Dir3, Point3, Vec2, Vec3};
 use pdembree::medium::HenyeyGreenstein;
 use pdembree::sampling::warp::{
-    ConcentricDisk, CosineHemisphere, Parallelogram, Triangle, UniformCone, UniformHemisphere, UniformSphere, Warp,
+    ConcentricDisk, CosineHemisphere, CylinderSphere, Parallelogram, Triangle, UniformCone, UniformHemisphere,
+    UniformSphere, Warp,
 };
 use pdembree::sampling::{Purpose, Stream};
 
@@ -106,6 +107,7 @@ fn quartets_of_all_warps() {
     check_quartet("concentric disk", &ConcentricDisk, 1.0, diagonals);
     check_quartet("cosine hemisphere", &CosineHemisphere, 1.0, diagonals);
     check_quartet("uniform sphere", &UniformSphere, 1.0, octahedral);
+    check_quartet("cylinder", &CylinderSphere, 1.0, smooth);
     check_quartet("uniform hemisphere", &UniformHemisphere, 1.0, diagonals);
     for cos in [0.999_999, 0.8, 0.0, -0.7] {
         check_quartet(&format!("cone of cosine {cos}"), &UniformCone::from_cos(cos), 1.0, diagonals);
@@ -148,6 +150,7 @@ fn the_edges_of_the_unit_square_are_safe() {
     check_edges("concentric disk", &ConcentricDisk);
     check_edges("cosine hemisphere", &CosineHemisphere);
     check_edges("uniform sphere", &UniformSphere);
+    check_edges("cylinder", &CylinderSphere);
     check_edges("uniform hemisphere", &UniformHemisphere);
     check_edges("cone", &UniformCone::from_cos(0.3));
     check_edges("narrow cone", &UniformCone::from_sin_squared(1e-14));
@@ -189,11 +192,13 @@ fn directions_p_value<W: Warp<Out = Dir3>>(warp: &W, z_min: f64, share: impl Fn(
 #[test]
 fn directions_follow_their_densities() {
     let cone = |cos: f64| (UniformCone::from_cos(cos), cos);
-    let n = 6 + PHASES.len();
+    let n = 7 + PHASES.len();
     let p = directions_p_value(&CosineHemisphere, 0.0, |a, b| b * b - a * a);
     assert_plausible(p, n, format!("cosine hemisphere, seed {SEED}"));
     let p = directions_p_value(&UniformSphere, -1.0, |a, b| 0.5 * (b - a));
     assert_plausible(p, n, format!("uniform sphere, seed {SEED}"));
+    let p = directions_p_value(&CylinderSphere, -1.0, |a, b| 0.5 * (b - a));
+    assert_plausible(p, n, format!("cylinder, seed {SEED}"));
     let p = directions_p_value(&UniformHemisphere, 0.0, |a, b| b - a);
     assert_plausible(p, n, format!("uniform hemisphere, seed {SEED}"));
     for (warp, cos) in [cone(0.8), cone(0.0), cone(-0.7)] {

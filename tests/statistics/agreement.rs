@@ -5,6 +5,8 @@
 //! Welch's test, all blocks together at one level. The kernel's bias is not hidden by a tolerance: the scenes' lights
 //! are wide enough for the caustic to be smooth over a footprint, and the tests would fail if it were not.
 
+use std::path::Path;
+
 use pdembree::film::Image;
 use pdembree::import;
 use pdembree::render::{self, emission, progress::Silent};
@@ -348,6 +350,11 @@ const PARTS: [&str; 3] = ["direct", "caustic", "indirect"];
 const CLASSES: [&str; 5] = ["emission", "straight", "focused", "sent_back", "scattered"];
 
 fn world(scene: &str, settings: &Settings, seed: u64) -> World {
+    world_of("agreement.toml".as_ref(), scene, settings, seed)
+}
+
+/// Of a scene that is read as if it were the file `path`.
+pub fn world_of(path: &Path, scene: &str, settings: &Settings, seed: u64) -> World {
     let overrides = [
         ("render.method", format!("\"{}\"", settings.method)),
         ("render.caustics", format!("\"{}\"", settings.caustics)),
@@ -358,7 +365,7 @@ fn world(scene: &str, settings: &Settings, seed: u64) -> World {
         ("render.seed", seed.to_string()),
     ]
     .map(|(key, value)| import::Override::new(key, value));
-    let loaded = import::load_text("agreement.toml".as_ref(), scene, &overrides).expect("a sound scene");
+    let loaded = import::load_text(path, scene, &overrides).expect("a sound scene");
     World::new(loaded.scene).expect("a sound world")
 }
 

@@ -5,6 +5,7 @@ mod support;
 
 mod agreement;
 mod convergence;
+mod far_lights;
 mod guiding;
 mod interreflection;
 mod light_emission;

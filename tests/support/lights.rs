@@ -1,12 +1,17 @@
 //! Lights of every kind with aims near and far, for tests.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
-use pdembree::light::{Aim, AreaLight, DirectionalLight, EnvironmentLight, Light, PointLight, SceneSphere, SpotLight};
-use pdembree::math::{Dir3, Point3, Transform, Vec3};
+use pdembree::light::{
+    Aim, AreaLight, DirectionalLight, EnvironmentLight, Light, PanoramaLight, PointLight, SceneSphere, SpotLight,
+};
+use pdembree::math::{Dir3, Frame, Point3, Transform, Vec3};
 use pdembree::radiometry::{Intensity, Irradiance, Radiance, Spectrum};
-use pdembree::scene::TriangleMesh;
 use pdembree::scene::light::BeamExtent;
+use pdembree::scene::panorama::{Part, Projection};
+use pdembree::scene::texture::{Placement, Wrap};
+use pdembree::scene::{ImageTexture, Panorama, TriangleMesh};
 use pdembree::shape::{Cylinder, Disk, Rectangle, Shape, Sphere, Torus};
 
 /// A light, an aim, and what they are.
@@ -56,6 +61,24 @@ pub fn shapes() -> Vec<(&'static str, Shape)> {
     ]
 }
 
+/// Texels over four decades, dark ones among them, mirrored and turned.
+pub fn panorama(projection: Projection) -> Panorama {
+    let (width, height) = match projection {
+        Projection::LatLong => (8, 4),
+        Projection::Octahedral => (6, 6),
+    };
+    let texel = |i: usize| {
+        let bright = [1.0, 0.02, 0.3, 0.0, 20.0, 0.1, 0.5][i % 7] as f32;
+        [bright, 0.5 * bright, 2.0 * bright]
+    };
+    let texels = (0..width * height).map(texel).collect();
+    let wrap = [Wrap::Repeat; 2];
+    let image = ImageTexture { width, height, texels, wrap, placement: Placement::IDENTITY };
+    let frame = Frame::from_unit(dir(0.3, 0.8, -0.4));
+    let axes = [frame.t, -frame.b, frame.n].map(Dir3::from_unit);
+    Panorama { image: Arc::new(image), projection, axes, factor: COLOUR, part: Part::All }
+}
+
 pub fn lights() -> Vec<(String, Rc<dyn Light>)> {
     let intensity = Intensity(COLOUR);
     let irradiance = Irradiance(COLOUR);
@@ -83,6 +106,10 @@ pub fn lights() -> Vec<(String, Rc<dyn Light>)> {
     ] {
         let beam = DirectionalLight::new(down, irradiance, &extent, SCENE).expect("has area");
         all.push((name.into(), Rc::new(beam)));
+    }
+    for projection in [Projection::LatLong, Projection::Octahedral] {
+        let light = PanoramaLight::new(panorama(projection), SCENE).expect("not black");
+        all.push((format!("{projection:?} panorama"), Rc::new(light)));
     }
     for two_sided in [false, true] {
         let side = if two_sided { "two-sided" } else { "one-sided" };

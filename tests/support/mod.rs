@@ -7,6 +7,7 @@ pub mod bsdf;
 pub mod chi2;
 pub mod data;
 pub mod optics;
+pub mod panorama;
 pub mod pass;
 pub mod renders;
 pub mod gltf;

@@ -1,15 +1,23 @@
 //! `[[lights]]`.
 
-use toml::Spanned;
-use toml::de::DeValue;
+use std::sync::Arc;
 
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::materials::SPACES;
 use super::objects::read_key;
+use crate::import::assets::Assets;
 use crate::import::keyed::convert::{
-    Choice, Colour, Convert, Direction, Mismatch, NON_NEGATIVE, Number, POINT, POSITIVE, found,
+    ANY, Choice, Colour, Convert, Direction, Mismatch, NON_NEGATIVE, Number, POINT, POSITIVE, Text, found,
 };
 use crate::import::keyed::reader::Section;
+use crate::math::{Dir3, Transform, Vec3};
+use crate::radiometry::Spectrum;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel, Reference};
+use crate::scene::error::Problem;
 use crate::scene::light_group;
+use crate::scene::panorama::{Panorama, Part, Projection};
 
 #[derive(Clone, Copy)]
 enum LightName {
@@ -30,13 +38,16 @@ const LIGHTS: Choice<'_, LightName> = Choice {
     },
 };
 
+/// Sine of the angle between axes up to which they count as parallel.
+const PARALLEL: f64 = 1e-6;
+
 const POWER: Colour = Colour(NON_NEGATIVE);
 
-pub(super) fn read(root: &Section<'_>) -> Vec<LightDescription> {
-    root.tables("lights", |i| format!("light {i}")).into_iter().map(read_light).collect()
+pub(super) fn read(root: &Section<'_>, assets: &mut Assets) -> Vec<LightDescription> {
+    root.tables("lights", |i| format!("light {i}")).into_iter().map(|section| read_light(section, assets)).collect()
 }
 
-fn read_light(section: Section<'_>) -> LightDescription {
+fn read_light(section: Section<'_>, assets: &mut Assets) -> LightDescription {
     let source = section.source();
     let name = match section.get("type") {
         Some(value) => section.reader.convert("type", value, &LIGHTS),
@@ -62,7 +73,7 @@ fn read_light(section: Section<'_>) -> LightDescription {
             irradiance: section.required("irradiance", POWER, [1.0; 3]),
             extent: section.table("extent").map_or(ExtentDescription::Unbounded, read_extent),
         },
-        LightName::Environment => LightModel::Environment { radiance: section.required("radiance", POWER, [1.0; 3]) },
+        LightName::Environment => read_environment(&section, assets),
     };
     let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect();
     section.finish();
@@ -90,6 +101,56 @@ impl Convert for GroupName {
             other => Err(Mismatch { found: found(other), span: value.span() }),
         }
     }
+}
+
+/// `radiance` is a colour or `{ image, space, factor }`; an image has a place.
+fn read_environment(section: &Section<'_>, assets: &mut Assets) -> LightModel {
+    if let Some(value) = section.get("radiance")
+        && let DeValue::Table(table) = value.get_ref()
+    {
+        return read_panorama(section, value, table, assets).unwrap_or(LightModel::Environment { radiance: [1.0; 3] });
+    }
+    LightModel::Environment { radiance: section.required("radiance", POWER, [1.0; 3]) }
+}
+
+fn read_panorama<'t>(
+    section: &Section<'t>,
+    value: &Spanned<DeValue<'t>>,
+    table: &'t DeTable<'t>,
+    assets: &Assets,
+) -> Option<LightModel> {
+    let image = Section::new(section.reader, format!("`radiance` of {}", section.label()), table, value.span());
+    let file = image.required("image", Text, String::new());
+    let space = image.optional("space", SPACES);
+    let factor = image.or("factor", POWER, [1.0; 3]);
+    let source = image.source();
+    image.finish();
+    let up = section.or("up", Direction, [0.0, 1.0, 0.0]);
+    let centre = section.or("centre", Direction, [0.0, 0.0, 1.0]);
+    let turn = section.or("rotation_degrees", ANY, 0.0);
+    let axes = axes(up, centre, turn).or_else(|| {
+        let problem = Problem::new(format!("{}: `up` and `centre` are parallel", section.label()));
+        let help = "`up` is where the top of the image is, `centre` where the middle of it is";
+        section.reader.report(problem.help(help).at(&section.source()));
+        None
+    });
+    if file.is_empty() {
+        return None;
+    }
+    let image = assets.panorama(&file, space, &source).map_err(|problem| section.reader.report(problem)).ok()?;
+    let (projection, factor) = (Projection::LatLong, Spectrum::from(factor));
+    Some(LightModel::Panorama(Panorama { image: Arc::new(image), projection, axes: axes?, factor, part: Part::All }))
+}
+
+/// The middle, the left and the top of a lat-long image, turned about `up`; `None` where there is no telling.
+fn axes(up: [f64; 3], centre: [f64; 3], degrees: f64) -> Option<[Dir3; 3]> {
+    let up = Dir3::new(Vec3::from(up))?;
+    let across = up.cross(Dir3::new(Vec3::from(centre))?);
+    let left = Dir3::new(across).filter(|_| across.length() > PARALLEL)?;
+    let middle = Dir3::new(left.cross(up))?;
+    let turn = Transform::rotate(up, degrees.to_radians());
+    let [middle, left] = [middle, left].map(|axis| Dir3::new(turn.vector(axis.to_vec())));
+    Some([middle?, left?, up])
 }
 
 fn read_spot(section: &Section<'_>) -> LightModel {

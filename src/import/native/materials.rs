@@ -69,7 +69,8 @@ const MATERIALS: Choice<'_, MaterialName> = Choice {
     },
 };
 
-const SPACES: Choice<'_, ColourSpace> = Choice { names: ColourSpace::NAMES, from_name: ColourSpace::from_name };
+pub(super) const SPACES: Choice<'_, ColourSpace> =
+    Choice { names: ColourSpace::NAMES, from_name: ColourSpace::from_name };
 
 const WRAPS: Choice<'_, Wrap> = Choice {
     names: &["repeat", "clamp", "mirror"],

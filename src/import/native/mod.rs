@@ -97,7 +97,7 @@ fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<
     };
     let mut materials = materials::read(&root, &mut assets);
     let mut objects = objects::read(&root, &mut assets);
-    let mut lights = lights::read(&root);
+    let mut lights = lights::read(&root, &mut assets);
     let mut media = media::read(&root, &assets);
     let atmosphere = media::reference(&root, "atmosphere");
     // A free table that closed-form tests read.

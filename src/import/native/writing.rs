@@ -214,6 +214,7 @@ fn light(light: &LightDescription) -> Option<Keys> {
         LightModel::Environment { radiance } => {
             vec![("type", quoted("environment")), ("radiance", numbers(radiance))]
         }
+        LightModel::Panorama(_) => return None,
     };
     keys.extend(light.group.as_ref().map(|group| ("group", quoted(&group.name))));
     light.motion.is_empty().then_some(keys)

@@ -2,13 +2,19 @@
 
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
 
 use super::parameters::{Parameters, shortened};
 use super::spectra;
+use crate::import::image;
+use crate::math::Dir3;
+use crate::radiometry::Spectrum;
 use crate::scene::description::{Emission, ExtentDescription, LightDescription, LightModel};
 use crate::scene::error::Problem;
+use crate::scene::panorama::{Panorama, Part, Projection};
+use crate::scene::texture::Wrap;
 
 /// `LightSource "kind" …`, placed by `to_world`; `None` for one that is switched off.
 pub(super) fn describe(
@@ -46,11 +52,13 @@ pub(super) fn describe(
             LightModel::Directional { direction, irradiance, extent: ExtentDescription::Unbounded }
         }
         "infinite" => {
-            if ps.has("filename") || ps.has("portal") {
-                let message = "lights from an image or through a portal cannot be rendered";
-                return Err(ps.cannot(message, "give a constant \"rgb L\""));
+            if ps.has("portal") {
+                return Err(ps.cannot("lights through a portal cannot be rendered", "take \"point3 portal\" away"));
             }
-            LightModel::Environment { radiance: illuminated(ps, folder, PI)? }
+            match ps.text("filename")? {
+                Some(file) => return panorama(ps, file, to_world, folder),
+                None => LightModel::Environment { radiance: illuminated(ps, folder, PI)? },
+            }
         }
         "goniometric" | "projection" => {
             let message = format!("the light \"{kind}\" cannot be rendered");
@@ -64,13 +72,53 @@ pub(super) fn describe(
     let (LightModel::Point { intensity: sent, .. }
     | LightModel::Spot { intensity: sent, .. }
     | LightModel::Directional { irradiance: sent, .. }
-    | LightModel::Environment { radiance: sent }) = model;
+    | LightModel::Environment { radiance: sent }) = model
+    else {
+        return Ok(None);
+    };
     Ok((sent != [0.0; 3]).then(|| LightDescription {
         source: ps.source.clone(),
         model,
         group: None,
         motion: Vec::new(),
     }))
+}
+
+/// An infinite light of an image: the octahedral map of the light's own space, which may be mirrored.
+fn panorama(ps: &Parameters, file: &str, to_world: &DMat4, folder: &Path) -> Result<Option<LightDescription>, Problem> {
+    if ps.has("illuminance") || ps.has("L") {
+        let message = "of a light with an image neither \"illuminance\" nor \"L\" can be rendered";
+        return Err(ps.cannot(message, "scale it by \"float scale\""));
+    }
+    let scale = ps.number("scale", 1.0)?;
+    if scale < 0.0 {
+        return Err(ps.problem(format!("the light's scale is {scale}"), "it must be at least 0"));
+    }
+    let path = folder.join(file);
+    let image = image::read(&path, None, Wrap::Clamp).map_err(|problem| problem.at_unless_placed(&ps.source))?;
+    if image.width != image.height {
+        let message = format!("the image of {} × {} texels is no square", image.width, image.height);
+        return Err(
+            ps.problem(message, "pbrt's maps are equal-area octahedral ones: its `imgtool makeequiarea` makes them")
+        );
+    }
+    let axes = axes(to_world).ok_or_else(|| {
+        ps.cannot("a light of an image that is skewed or scaled unevenly cannot be rendered", "only turn or mirror it")
+    })?;
+    let (projection, factor) = (Projection::Octahedral, Spectrum::splat(scale));
+    let model = LightModel::Panorama(Panorama { image: Arc::new(image), projection, axes, factor, part: Part::All });
+    Ok((scale > 0.0).then(|| LightDescription { source: ps.source.clone(), model, group: None, motion: Vec::new() }))
+}
+
+/// Where a light's x, y and z are; `None` if they do not stay perpendicular or equally long.
+fn axes(to_world: &DMat4) -> Option<[Dir3; 3]> {
+    const ROUNDING: f64 = 1e-6;
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.transform_vector3(axis));
+    let size = x.length();
+    let is_even = [y, z].iter().all(|axis| (axis.length() - size).abs() <= ROUNDING * size);
+    let is_square = [(x, y), (y, z), (z, x)].iter().all(|(a, b)| a.dot(*b).abs() <= ROUNDING * size * size);
+    let [x, y, z] = [Dir3::new(x)?, Dir3::new(y)?, Dir3::new(z)?];
+    (is_even && is_square).then_some([x, y, z])
 }
 
 /// `AreaLightSource "diffuse"` on a shape of `area` m²: that of one of pbrt's shapes, which a mesh's triangles are each.

@@ -5,10 +5,12 @@
 //! photon's initial differential is made of them, so every map here is chosen for low distortion: concentric and
 //! octahedral maps rather than polar coordinates.
 
+mod cylinder;
 mod disk;
 mod planar;
 mod sphere;
 
+pub use cylinder::CylinderSphere;
 pub use disk::{ConcentricDisk, CosineHemisphere, UniformCone};
 pub use planar::{Parallelogram, Triangle};
 pub use sphere::{UniformHemisphere, UniformSphere};

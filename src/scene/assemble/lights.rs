@@ -20,12 +20,29 @@ pub(super) fn assemble(
     shutter: Shutter,
     report: &mut Report,
 ) -> (Vec<LightSource>, Vec<Option<Arc<Motion>>>) {
-    let sources = described.iter().enumerate().filter_map(|(i, light)| {
-        let source = assemble_light(light, report)?;
-        let (place, motion) = moving_light(&format!("light {i}"), &light.motion, shutter, report)?;
-        Some((moved(source, &place, light, report), motion))
-    });
-    sources.unzip()
+    let (mut sources, mut motions) = (Vec::new(), Vec::new());
+    for (i, light) in described.iter().enumerate() {
+        let Some(source) = assemble_light(light, report) else { continue };
+        let Some((place, motion)) = moving_light(&format!("light {i}"), &light.motion, shutter, report) else {
+            continue;
+        };
+        for source in in_parts(moved(source, &place, light, report)) {
+            sources.push(source);
+            motions.push(motion.clone());
+        }
+    }
+    (sources, motions)
+}
+
+/// A sun in a sky is a light for itself.
+fn in_parts(source: LightSource) -> Vec<LightSource> {
+    match source {
+        LightSource::Panorama(panorama) => {
+            let parts = Arc::unwrap_or_clone(panorama).into_lights();
+            parts.into_iter().map(|part| LightSource::Panorama(Arc::new(part))).collect()
+        }
+        other => vec![other],
+    }
 }
 
 /// The light where a rigid map puts it.
@@ -48,8 +65,8 @@ fn moved(source: LightSource, place: &Transform, described: &LightDescription, r
             };
             LightSource::Directional { direction: turned(direction), irradiance, extent }
         }
-        LightSource::Environment { .. } => {
-            let problem = Problem::new("light: the environment is the same everywhere, it has no motion");
+        LightSource::Environment { .. } | LightSource::Panorama(_) => {
+            let problem = Problem::new("light: the environment lies infinitely far away, it has no motion");
             report.problem(problem.help("take `motion` away").at(&described.source));
             source
         }
@@ -98,6 +115,17 @@ fn assemble_light(light: &LightDescription, report: &mut Report) -> Option<Light
         }
         LightModel::Environment { radiance } => {
             Some(LightSource::Environment { radiance: checks.power("radiance", radiance) })
+        }
+        LightModel::Panorama(ref panorama) => {
+            checks.power("radiance.factor", panorama.factor.to_array());
+            if panorama.integral().0.is_black() {
+                checks.refuse(
+                    "the image is black: it emits nothing".to_owned(),
+                    "take another image, or remove the light",
+                );
+                return None;
+            }
+            Some(LightSource::Panorama(Arc::new(panorama.clone())))
         }
     }
 }
