@@ -20,9 +20,9 @@ use crate::scene::settings::{EmissionPattern, Estimator, TimeResolution};
 use crate::scene::{GroupId, LightGroups, LightId};
 use crate::world::World;
 
-/// Time cells of the first pass, unless settings say how many: between the bend of sweeps and too few photons for each
-/// instant.
-const TIME_CELLS: u32 = 8;
+/// Time cells of the first pass for each cube root of its photons, unless settings say how many: between the bend of sweeps and
+/// too few photons for each instant, for sweeps short and long (`src/doc/motion.md`).
+const TIME_CELLS: f64 = 1.0 / 3.0;
 
 /// Photons in a unit of work.
 const PHOTONS_PER_UNIT: u64 = 4096;
@@ -203,10 +203,10 @@ pub fn time_cells(world: &World, pass: u32) -> TimeCells {
         return TimeCells::one(shutter);
     }
     let first = match settings.time_cells {
-        TimeResolution::Auto => TIME_CELLS,
-        TimeResolution::Cells(count) => count,
+        TimeResolution::Auto => (TIME_CELLS * (settings.photons as f64).cbrt()).round().max(1.0),
+        TimeResolution::Cells(count) => f64::from(count),
     };
-    let count = f64::from(first) / bandwidth::narrowing(settings.emission, pass);
+    let count = first / bandwidth::narrowing(settings.emission, pass);
     TimeCells::new(shutter, count.floor() as u32, kernel::variance(settings.kernel)).with(settings.time_kernel)
 }
 

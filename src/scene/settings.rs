@@ -199,7 +199,7 @@ pub enum Bandwidth {
 /// Into how many equal parts of the shutter's interval photons share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeResolution {
-    /// Eight in the first pass.
+    /// As many as the photons of a pass serve best.
     Auto,
     /// 1: all blur comes from the photons' time columns.
     Cells(u32),
