@@ -3,7 +3,7 @@
 //! First from every cell of a grid over the leading pair of the map; then cells are cut in four again and again, as in a
 //! quadtree, and pilots go where hits and misses meet: the edge of what is useful gets sharp, the rest costs nothing more.
 
-use super::emit::leading;
+use super::emission_points::leading;
 use super::trace::PhotonTracer;
 use crate::light::{Aim, Lights};
 use crate::sampling::{Purpose, Stream, qmc};

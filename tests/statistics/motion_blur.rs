@@ -259,7 +259,9 @@ fn moving_lights_and_meshes_that_change_blur_as_many_instants_do() {
     let block = BALL.split("[[objects]]\nshape = \"sphere\"").next().expect("the floor").to_owned() + BLOCK;
     for (name, scene) in lamps.chain([("block", block)]) {
         let ([still, few, many], [of_few, of_many]) = against_instants(&scene);
-        println!("{name}: still {still:.4}, {few:.4} by default, 64 cells {many:.4}; energies {of_few:.5}, {of_many:.5}");
+        println!(
+            "{name}: still {still:.4}, {few:.4} by default, 64 cells {many:.4}; energies {of_few:.5}, {of_many:.5}"
+        );
         assert!(few < 0.35 * still && few < 0.1, "{name}: {few} of {still}");
         // Of the blurred ones' 100 000 and the instants' 20 000 photons each. The block hides some of the floor that it lights,
         // and where long steps put light is not always in sight.

@@ -1,11 +1,13 @@
 //! Scenes of pbrt-v4 in its text format become part of a description.
 //!
-//! The words of a file (`lexer`) make directives with their parameters (`parameters`, `directives`), which change a
-//! graphics state (`state`) and add to a scene (`reading`); shapes, textures, materials, lights and the camera each have
-//! a file. The mapping is described in `crate::doc::pbrt`.
+//! The words of a file (`lexer`) make directives with their parameters (`parameters`, `directive`, `directives`), which
+//! change a graphics state (`state`) and add to a scene (`effects`, `reading`); shapes, textures, materials, lights and the
+//! camera each have a file. The mapping is described in `crate::doc::pbrt`.
 
 mod budget;
+mod directive;
 mod directives;
+mod effects;
 mod film;
 mod lexer;
 mod lights;
