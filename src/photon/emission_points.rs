@@ -49,35 +49,28 @@ pub struct EmissionPoints {
     part: Part,
 }
 
-/// Which of a pass's photons of a light.
+/// Every `step`-th of a pass's points of a light, from number `first` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    pub number: u32,
-    /// The first of its photons among all.
+struct Part {
     first: u64,
-    /// How much of the light it stands for.
-    size: f64,
-}
-
-impl Part {
-    const WHOLE: Part = Part { number: 0, first: 0, size: 1.0 };
-
-    /// `count` > 0 equal parts of `n` ≥ `count` photons, each with how many they are.
-    pub fn all(n: u64, count: u32) -> impl Iterator<Item = (Part, u64)> {
-        let first = move |number: u32| n * u64::from(number) / u64::from(count);
-        let size = 1.0 / f64::from(count);
-        (0..count).map(move |number| (Part { number, first: first(number), size }, first(number + 1) - first(number)))
-    }
-
-    /// A number that is another for each of `number` and part.
-    fn of_light(&self, number: u64) -> u64 {
-        number | u64::from(self.number) << 32
-    }
+    step: u64,
 }
 
 impl EmissionPoints {
     /// `n` > 0 points for `light`.
     pub fn new(world: &World, light: LightId, target: &Target, share: Share, n: u64, pass: u32) -> Self {
+        EmissionPoints::in_parts(world, light, target, share, (n, 1), pass)
+    }
+
+    /// `n` points that set out in `parts` parts, each of which is to be as even as all, `share` being one point's of all.
+    pub(super) fn in_parts(
+        world: &World,
+        light: LightId,
+        target: &Target,
+        share: Share,
+        (n, parts): (u64, u64),
+        pass: u32,
+    ) -> Self {
         let (settings, source, aim) = (&world.scene.settings, world.lights.get(light), &target.aim);
         let number = u64::from(light.0) + u64::from(target.group.unwrap_or(0)) * world.lights.len() as u64;
         let mut stream = Stream::new(settings.seed, Purpose::Lattice, pass, number);
@@ -90,39 +83,51 @@ impl EmissionPoints {
         };
         let aspect = source.emission_aspect(aim);
         let (pattern, collimated, seed) = (settings.emission, source.is_collimated(), settings.seed);
-        let cell = share.sides(if collimated { [aspect, 1.0] } else { [1.0, aspect] });
+        // Of all points, of what one stands for, of a part's.
+        let [whole, cell, part] = [1, parts, parts * parts]
+            .map(|count| share.parted(count).sides(if collimated { [aspect, 1.0] } else { [1.0, aspect] }));
+        let [whole, part] = [whole, part].map(|cell| leading(collimated, cell));
         EmissionPoints {
             pattern,
             collimated,
             aspect,
-            lattice: Rank1Lattice::new(n, leading(collimated, cell)),
+            lattice: Rank1Lattice::in_parts(n, parts, whole, part),
             cell,
             shift,
             times,
             seed,
             pass,
             number,
-            part: Part::WHOLE,
+            part: Part { first: 0, step: 1 },
         }
     }
 
-    /// As `part` of several, all of whose photons set out at `time`, s: a pattern of its own, so that each moment's light is
-    /// as even as that of a scene which stands still.
-    pub(super) fn at_once(self, part: Part, time: f64) -> Self {
-        let mut stream = Stream::new(self.seed, Purpose::Lattice, self.pass, part.of_light(self.number));
-        let shift = [stream.uniform2(), stream.uniform2()];
-        EmissionPoints { times: Times::Instant(time), shift, part, ..self }
+    /// The `k`th of `count` parts of the points, whose number is a multiple of that: all of its photons set out at `time`, s.
+    /// Every part of a lattice is a lattice, and where light hardly moves from one part's time to the next they make up the
+    /// whole again.
+    pub(super) fn at_once(self, k: u64, count: u64, time: f64) -> Self {
+        EmissionPoints { times: Times::Instant(time), part: Part { first: k, step: count }, ..self }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> u64 {
+        self.lattice.len() / self.part.step
     }
 
     /// The random numbers of photon `i`'s own path.
     pub fn stream(&self, i: u64) -> Stream {
         // The number sits above any photon index.
-        Stream::new(self.seed, Purpose::Photon, self.pass, (self.part.first + i) | self.number << 44)
+        Stream::new(self.seed, Purpose::Photon, self.pass, self.place(i) | self.number << 44)
+    }
+
+    /// Its number among the points of all parts.
+    fn place(&self, i: u64) -> u64 {
+        self.part.first + self.part.step * i
     }
 
     /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
     pub fn point(&self, i: u64, stream: &mut Stream) -> [f64; 4] {
-        let n = self.lattice.len();
+        let n = self.len();
         let (lead, other) = match self.pattern {
             EmissionPattern::Random => (stream.uniform2(), stream.uniform2()),
             EmissionPattern::Jittered => {
@@ -133,7 +138,7 @@ impl EmissionPoints {
                 (lead, qmc::stratum(second, n, 1.0, stream.uniform2()))
             }
             EmissionPattern::Lattice => {
-                let [a, b, c, d] = self.lattice.point(i);
+                let [a, b, c, d] = self.lattice.point(self.place(i));
                 (qmc::shifted([a, b], self.shift[0]), qmc::shifted([c, d], self.shift[1]))
             }
         };
@@ -157,7 +162,7 @@ impl EmissionPoints {
     /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell. Of
     /// points that are kept with the probability `keep` each stands for 1/keep of them.
     pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
-        emission.flux = emission.flux * self.part.size / (keep * self.lattice.len() as f64);
+        emission.flux = emission.flux / (keep * self.lattice.len() as f64);
         let inscribed = FRAC_2_SQRT_PI / keep.sqrt();
         emission.jacobian = emission.jacobian.scaled_each(self.cell.map(|side| inscribed * side));
         emission

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::emission_points::{EmissionPoints, Part};
+use super::emission_points::EmissionPoints;
 use super::guide::Guide;
 use super::plan::{EmissionPlan, Target};
 use crate::light::{Emission, Lights};
@@ -33,26 +33,18 @@ impl EmissionUnit {
     /// A plan's photons, those of an instant together.
     fn parts(plan: &EmissionPlan, world: &World, pass: u32, instants: &[f64]) -> Vec<EmissionUnit> {
         let EmissionPlan { light, target, points: n, share, ref guide, eyes_part } = *plan;
-        let unit = |points: EmissionPoints, n: u64| EmissionUnit {
-            light,
-            target,
-            eyes_part,
-            guide: guide.clone(),
-            points,
-            range: 0..n,
+        let unit = |points: EmissionPoints| {
+            let range = 0..points.len();
+            EmissionUnit { light, target, eyes_part, guide: guide.clone(), points, range }
         };
         if instants.is_empty() {
-            return vec![unit(EmissionPoints::new(world, light, &target, share, n, pass), n)];
+            return vec![unit(EmissionPoints::new(world, light, &target, share, n, pass))];
         }
         // A single photon cannot set out at several times.
-        let count = (instants.len() as u64).min(n) as u32;
-        let share = share.parted(count);
-        Part::all(n, count)
-            .map(|(part, n)| {
-                let time = instants[part.number as usize * instants.len() / count as usize];
-                unit(EmissionPoints::new(world, light, &target, share, n, pass).at_once(part, time), n)
-            })
-            .collect()
+        let count = (instants.len() as u64).min(n);
+        let points = EmissionPoints::in_parts(world, light, &target, share, (n / count * count, count), pass);
+        let time = |k: u64| instants[k as usize * instants.len() / count as usize];
+        (0..count).map(|k| unit(points.clone().at_once(k, count, time(k)))).collect()
     }
 
     /// In units of about `size` photons.

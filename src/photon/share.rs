@@ -55,8 +55,8 @@ impl Share {
 
     /// The cell of a photon whose pass is parted into `count` of fewer photons, which overlap in what they light: wider
     /// than its share of all, and not as wide as one of its part, in as far as it is cut at all.
-    pub fn parted(self, count: u32) -> Share {
-        let area = f64::from(count).sqrt();
+    pub fn parted(self, count: u64) -> Share {
+        let area = (count as f64).sqrt();
         let Share { positions, directions } = self;
         let wider = if positions < 1.0 && directions < 1.0 { area.sqrt() } else { area };
         Share { positions: (positions * wider).min(1.0), directions: (directions * wider).min(1.0) }

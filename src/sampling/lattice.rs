@@ -20,12 +20,29 @@ pub struct Rank1Lattice {
 impl Rank1Lattice {
     /// The lattice of `n` > 0 points for cells with these sides, each in (0, 1]. A side of 1 asks for nothing.
     pub fn new(n: u64, cell: [f64; 4]) -> Rank1Lattice {
+        Rank1Lattice::best(n, |lattice| lattice.shortest_wave(cell))
+    }
+
+    /// A lattice of `n` > 0 points of which every `parts`-th ones, `parts` dividing `n`, are a lattice that is as good: for
+    /// cells of all points, and for those of a part's.
+    pub fn in_parts(n: u64, parts: u64, cell: [f64; 4], parts_cell: [f64; 4]) -> Rank1Lattice {
+        Rank1Lattice::best(n, |lattice| lattice.shortest_wave(cell).min(lattice.part(parts).shortest_wave(parts_cell)))
+    }
+
+    /// Every `parts`-th of the points: i `parts` z/n = i z/(n/`parts`).
+    fn part(&self, parts: u64) -> Rank1Lattice {
+        let n = self.n / parts;
+        Rank1Lattice { n, generator: self.generator.map(|g| g % n) }
+    }
+
+    /// The candidate of which `quality` is greatest.
+    fn best(n: u64, quality: impl Fn(&Rank1Lattice) -> f64) -> Rank1Lattice {
         let mut best = (0.0, Rank1Lattice::korobov(n, 1));
         for k in 0..CANDIDATES.min(n) {
             // The multiples of the golden ratio visit the residues evenly, whatever n is.
             let g = ((k as f64 * 0.618_033_988_749_894_9).fract() * n as f64) as u64;
             let lattice = Rank1Lattice::korobov(n, g);
-            let length = lattice.shortest_wave(cell);
+            let length = quality(&lattice);
             if length > best.0 {
                 best = (length, lattice);
             }
@@ -166,6 +183,28 @@ mod tests {
                 let length = Rank1Lattice::new(n, planar(n, aspect)).shortest_wave(planar(n, aspect));
                 assert!(length > 0.9 && length < 1.16, "n={n} aspect={aspect}: {length}");
             }
+        }
+    }
+
+    /// Every `parts`-th point is a point of the smaller lattice, moved by the first of them; both are nearly as good as
+    /// lattices that are chosen for themselves.
+    #[test]
+    fn parts_of_a_lattice_are_lattices() {
+        for (n, parts) in [(20_007u64, 9u64), (4_000, 4), (999, 3)] {
+            let [cell, part_cell] = [n, n / parts].map(|n| planar(n, 1.3));
+            let lattice = Rank1Lattice::in_parts(n, parts, cell, part_cell);
+            let part = lattice.part(parts);
+            for (c, k) in [(0, 5), (1, 0), (parts - 1, n / parts - 1)] {
+                let [point, first, step] = [lattice.point(c + parts * k), lattice.point(c), part.point(k)];
+                for ((x, from), by) in point.iter().zip(first).zip(step) {
+                    let turns = x - from - by;
+                    assert!((turns - turns.round()).abs() < 1e-9, "{n}, {c} + {parts} · {k}");
+                }
+            }
+            let alone =
+                [(n, cell), (n / parts, part_cell)].map(|(n, cell)| Rank1Lattice::new(n, cell).shortest_wave(cell));
+            let found = [lattice.shortest_wave(cell), part.shortest_wave(part_cell)];
+            assert!(found.iter().zip(alone).all(|(found, alone)| *found > 0.5 * alone), "{found:?} of {alone:?}");
         }
     }
 
