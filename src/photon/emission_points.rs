@@ -110,7 +110,7 @@ impl EmissionPoints {
     }
 
     /// How many there are.
-    pub fn len(&self) -> u64 {
+    pub(super) fn count(&self) -> u64 {
         self.lattice.len() / self.part.step
     }
 
@@ -127,7 +127,7 @@ impl EmissionPoints {
 
     /// Point `i` as (u, v, θ, φ) in [0, 1)⁴; `stream` is the photon's own.
     pub fn point(&self, i: u64, stream: &mut Stream) -> [f64; 4] {
-        let n = self.len();
+        let n = self.count();
         let (lead, other) = match self.pattern {
             EmissionPattern::Random => (stream.uniform2(), stream.uniform2()),
             EmissionPattern::Jittered => {

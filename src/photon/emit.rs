@@ -34,7 +34,7 @@ impl EmissionUnit {
     fn parts(plan: &EmissionPlan, world: &World, pass: u32, instants: &[f64]) -> Vec<EmissionUnit> {
         let EmissionPlan { light, target, points: n, share, ref guide, eyes_part } = *plan;
         let unit = |points: EmissionPoints| {
-            let range = 0..points.len();
+            let range = 0..points.count();
             EmissionUnit { light, target, eyes_part, guide: guide.clone(), points, range }
         };
         if instants.is_empty() {
