@@ -3,12 +3,10 @@
 //! Beams are cut into pieces, so that the boxes around them are narrow, and a tree stands over the pieces' boxes. A crossing
 //! belongs to the piece in which it lies on the beam's axis, so that none is counted twice.
 
-use std::ops::ControlFlow;
-
 use super::beam::Beam;
-use super::index::{BoxTree, Boxes, Lanes, OuterBox, SlabRay, Visitor};
+use super::index::{BoxTree, OuterBox, SlabRay};
 use super::order::ZCurve;
-use crate::math::{Bounds3, Point3, Vec3};
+use crate::math::{Bounds3, Point3};
 use crate::medium::Way;
 use crate::scene::Medium;
 
@@ -68,33 +66,18 @@ impl BeamMap {
 
     /// Leads `visit` to the pieces whose boxes hold the place.
     pub fn over(&self, p: Point3, mut visit: impl FnMut(&Beam, &Piece)) {
-        let place = BoxTree::build(1, |_| OuterBox::new(p, Vec3::ZERO));
-        for i in self.tree.over(&place) {
-            let piece = &self.pieces[i];
-            visit(&self.beams[piece.beam as usize], piece);
-        }
+        self.tree.around(p, |i| self.show(i, &mut visit));
     }
 
     /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and which part of it is this piece's.
     #[inline(always)]
-    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Beam, &Piece)) {
-        struct Along<'a, F> {
-            map: &'a BeamMap,
-            ray: &'a SlabRay,
-            visit: F,
-        }
-        impl<F: FnMut(&Beam, &Piece)> Visitor for Along<'_, F> {
-            #[inline(always)]
-            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
-                boxes.met(self.ray)
-            }
-            #[inline(always)]
-            fn visit(&mut self, i: usize) -> ControlFlow<()> {
-                let piece = &self.map.pieces[i];
-                (self.visit)(&self.map.beams[piece.beam as usize], piece);
-                ControlFlow::Continue(())
-            }
-        }
-        self.tree.lead(&mut Along { map: self, ray, visit });
+    pub fn along(&self, ray: &SlabRay, mut visit: impl FnMut(&Beam, &Piece)) {
+        self.tree.along(ray, |i| self.show(i, &mut visit));
+    }
+
+    #[inline(always)]
+    fn show(&self, i: usize, visit: &mut impl FnMut(&Beam, &Piece)) {
+        let piece = &self.pieces[i];
+        visit(&self.beams[piece.beam as usize], piece);
     }
 }

@@ -1,13 +1,11 @@
 //! All collisions of a pass of one kind, and which of them a ray or a place may lie in.
 
-use std::ops::ControlFlow;
-
 use super::beam::Beam;
 use super::collision::Collision;
 use super::footprint::Spread;
-use super::index::{BoxTree, Boxes, Lanes, OuterBox, SlabRay, Visitor};
+use super::index::{BoxTree, OuterBox, SlabRay};
 use super::order::ZCurve;
-use crate::math::{Bounds3, Point3, Vec3};
+use crate::math::{Bounds3, Point3};
 use crate::sampling::Stream;
 use crate::scene::Medium;
 
@@ -47,31 +45,12 @@ impl CollisionMap {
 
     /// Leads `visit` to the collisions whose boxes the ray meets.
     #[inline(always)]
-    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(&Collision)) {
-        struct Along<'a, F> {
-            map: &'a CollisionMap,
-            ray: &'a SlabRay,
-            visit: F,
-        }
-        impl<F: FnMut(&Collision)> Visitor for Along<'_, F> {
-            #[inline(always)]
-            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
-                boxes.met(self.ray)
-            }
-            #[inline(always)]
-            fn visit(&mut self, i: usize) -> ControlFlow<()> {
-                (self.visit)(&self.map.collisions[i]);
-                ControlFlow::Continue(())
-            }
-        }
-        self.tree.lead(&mut Along { map: self, ray, visit });
+    pub fn along(&self, ray: &SlabRay, mut visit: impl FnMut(&Collision)) {
+        self.tree.along(ray, |i| visit(&self.collisions[i]));
     }
 
     /// Leads `visit` to the collisions whose boxes hold the place.
     pub fn over(&self, p: Point3, mut visit: impl FnMut(&Collision)) {
-        let place = BoxTree::build(1, |_| OuterBox::new(p, Vec3::ZERO));
-        for i in self.tree.over(&place) {
-            visit(&self.collisions[i]);
-        }
+        self.tree.around(p, |i| visit(&self.collisions[i]));
     }
 }

@@ -255,6 +255,39 @@ impl BoxTree {
         }
     }
 
+    /// Leads `visit` to the boxes that the ray may meet, in their order.
+    #[inline(always)]
+    pub fn along(&self, ray: &SlabRay, visit: impl FnMut(usize)) {
+        struct Along<'a, F>(&'a SlabRay, F);
+        impl<F: FnMut(usize)> Visitor for Along<'_, F> {
+            #[inline(always)]
+            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
+                boxes.met(self.0)
+            }
+            #[inline(always)]
+            fn visit(&mut self, i: usize) -> ControlFlow<()> {
+                (self.1)(i);
+                ControlFlow::Continue(())
+            }
+        }
+        self.lead(&mut Along(ray, visit));
+    }
+
+    /// Leads `visit` to the boxes that may hold the place, in their order.
+    pub fn around(&self, p: Point3, visit: impl FnMut(usize)) {
+        struct Around<F>(OuterBox, F);
+        impl<F: FnMut(usize)> Visitor for Around<F> {
+            fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
+                boxes.overlapping(&self.0)
+            }
+            fn visit(&mut self, i: usize) -> ControlFlow<()> {
+                (self.1)(i);
+                ControlFlow::Continue(())
+            }
+        }
+        self.lead(&mut Around(OuterBox::new(p, Vec3::ZERO), visit));
+    }
+
     /// Whether one of the boxes overlaps `bounds`.
     pub fn any_overlaps(&self, bounds: &OuterBox) -> bool {
         struct Any<'a>(&'a OuterBox, bool);
