@@ -10,7 +10,7 @@ use crate::camera::{Camera, filter_offset};
 use crate::estimate::{Turn, bandwidth};
 use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
-use crate::sampling::PixelSamples;
+use crate::sampling::{PixelPattern, PixelSamples};
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::scene::RenderSettings;
 use crate::scene::settings::Estimator;
@@ -98,9 +98,10 @@ impl Exposure<'_> {
         let mut queries = Vec::new();
         // Which sample each query belongs to.
         let mut owners = Vec::new();
+        let pattern = PixelPattern::new(self.settings.spp);
         for y in bounds.y0..bounds.y1 {
             for x in bounds.x0..bounds.x1 {
-                let pixel = PixelSamples::new(self.settings.seed, self.pass, self.number(x, y), self.settings.spp);
+                let pixel = pattern.of(self.settings.seed, self.pass, self.number(x, y));
                 for s in 0..self.settings.spp {
                     samples.push((x, y, self.eye_sample(x, y, s, &pixel, &mut queries)));
                     owners.resize(queries.len(), samples.len() - 1);
@@ -122,25 +123,21 @@ impl Exposure<'_> {
     }
 
     /// When sample `s` of a pixel is taken.
-    fn time(&self, x: u32, y: u32, s: u32) -> f64 {
-        let (settings, shutter) = (self.settings, self.tracer.world.scene.shutter);
-        if shutter.is_instant() {
-            return shutter.open;
-        }
-        shutter.time(PixelSamples::time(settings.seed, self.pass, self.number(x, y), settings.spp, s))
+    fn time(&self, s: u32, samples: &PixelSamples) -> f64 {
+        let shutter = self.tracer.world.scene.shutter;
+        if shutter.is_instant() { shutter.open } else { shutter.time(samples.time(s)) }
     }
 
     fn eye_sample(&self, x: u32, y: u32, s: u32, samples: &PixelSamples, queries: &mut Vec<Query>) -> EyeSample {
         let world = self.tracer.world;
         let settings = self.settings;
-        let start = samples.get(s);
+        let (start, stream) = samples.get(s);
         let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         let offset = filter_offset(world.scene.camera.filter, start.raster);
-        let time = self.time(x, y, s);
+        let time = self.time(s, samples);
         let camera = self.camera.at(time);
         let mut ray = camera.ray(centre + offset, ConcentricDisk.sample(start.lens));
         ray.ray.time = time;
-        let stream = PixelSamples::stream(settings.seed, self.pass, self.number(x, y), s);
         let turn = Turn { index: s, of: settings.spp };
         let mut sample = self.tracer.trace(&ray, &start, turn, stream, queries);
         // The path knows distances; the layer is depth along the view axis.

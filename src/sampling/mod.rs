@@ -8,5 +8,5 @@ pub mod qmc;
 pub mod stream;
 pub mod warp;
 
-pub use pixel::{PixelSample, PixelSamples};
+pub use pixel::{PixelPattern, PixelSample, PixelSamples};
 pub use stream::{Purpose, Stream};
