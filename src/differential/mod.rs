@@ -16,7 +16,7 @@ pub mod time;
 pub mod transfer;
 
 pub use diffuse::{blurred, bounced};
-pub use health::narrowed;
+pub use health::narrow;
 pub use reflect::reflect;
 pub use refract::{Refraction, refract};
 pub use state::{Column, Differential, ShapeOperator};

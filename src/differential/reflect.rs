@@ -6,6 +6,7 @@ use crate::math::{Dir3, Normal3, Vec3};
 
 /// Reflects the ray direction `w` (towards the surface) and its columns about the normal `n`, whose shape operator
 /// belongs to the same orientation. Either orientation gives the same answer.
+#[inline(always)]
 pub fn reflect<const N: usize>(
     d: &Differential<N>,
     w: Dir3,
@@ -16,6 +17,7 @@ pub fn reflect<const N: usize>(
 }
 
 /// The same where the normal changes by `dn` with each parameter.
+#[inline(always)]
 pub(super) fn reflect_about<const N: usize>(
     d: &Differential<N>,
     w: Dir3,

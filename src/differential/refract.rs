@@ -15,6 +15,7 @@ pub enum Refraction<const N: usize> {
 
 /// Refracts `w` (towards the surface) with η = n_incident / n_transmitted. The normal may face either way; `shape`
 /// belongs to the orientation given.
+#[inline(always)]
 pub fn refract<const N: usize>(
     d: &Differential<N>,
     w: Dir3,
@@ -26,6 +27,7 @@ pub fn refract<const N: usize>(
 }
 
 /// The same where the normal changes by `dn` with each parameter.
+#[inline(always)]
 pub(super) fn refract_about<const N: usize>(
     d: &Differential<N>,
     w: Dir3,

@@ -5,9 +5,7 @@
 //! roulette leaves fewer of them to share the rays, not the time; a surface that scatters draws a direction anew, not a time.
 
 use crate::differential::health::MAX_SPREAD;
-use crate::differential::{
-    Column, Differential, Refraction, SurfaceMotion, narrowed, reflect, refract, time, transfer,
-};
+use crate::differential::{Column, Differential, Refraction, SurfaceMotion, narrow, reflect, refract, time, transfer};
 use crate::light::Emission;
 use crate::math::{Dir3, Normal3};
 use crate::surface::Interaction;
@@ -27,22 +25,22 @@ impl<const N: usize, const T: usize> Columns<N, T> {
         let time = Differential::new([Column { dx: dx * time_cell, dw: dw * time_cell }; T]);
         Columns { cell: emission.jacobian.first(), time }
     }
-    /// Moved along `w` to the surface that it meets.
-    pub fn transferred(&self, w: Dir3, si: &Interaction, surface: &SurfaceMotion) -> Self {
-        Columns {
-            cell: transfer(&self.cell, w, si.t, si.ng),
-            time: if T == 0 { self.time } else { time::arrive(&self.time, w, si.t, si.ng, surface) },
+    /// Moves them along `w` to the surface that it meets.
+    pub fn transfer(&mut self, w: Dir3, si: &Interaction, surface: &SurfaceMotion) {
+        self.cell = transfer(&self.cell, w, si.t, si.ng);
+        if T > 0 {
+            self.time = time::arrive(&self.time, w, si.t, si.ng, surface);
         }
     }
-    /// The direction and columns after a facet of a surface, on the outward side, that turns as the surface does: mirror if
-    /// there is no `eta`, else interface.
-    pub fn over_facet(
-        &self,
+    /// Takes them over a facet of a surface, on the outward side, that turns as the surface does: mirror if there is no
+    /// `eta`, else interface. Returns the direction behind it.
+    pub fn turn(
+        &mut self,
         si: &Interaction,
         w: Dir3,
         (normal, eta): (Normal3, Option<f64>),
         surface: &SurfaceMotion,
-    ) -> (Dir3, Self) {
+    ) -> Dir3 {
         let shape = &si.shape;
         let (w_out, cell) = match eta {
             None => reflect(&self.cell, w, normal, shape),
@@ -50,27 +48,26 @@ impl<const N: usize, const T: usize> Columns<N, T> {
                 Refraction::Transmitted(w, columns) | Refraction::TotalReflection(w, columns) => (w, columns),
             },
         };
-        if T == 0 {
-            return (w_out, Columns { cell, time: self.time });
+        self.cell = cell;
+        if T > 0 {
+            self.time = match eta {
+                None => time::reflect(&self.time, w, normal, shape, surface),
+                Some(eta) => time::refract(&self.time, w, normal, shape, eta, surface),
+            };
         }
-        let time = match eta {
-            None => time::reflect(&self.time, w, normal, shape, surface),
-            Some(eta) => time::refract(&self.time, w, normal, shape, eta, surface),
-        };
-        (w_out, Columns { cell, time })
+        w_out
     }
     /// After an event that draws the direction anew, with these columns of its cell.
     pub fn scattered(&self, cell: Differential<N>, surface: &SurfaceMotion) -> Self {
         Columns { cell, time: if T == 0 { self.time } else { time::scatter(&self.time, surface) } }
     }
-    /// What survivors of roulette with the probability `q` stand for.
-    pub fn survived(&self, q: f64) -> Self {
-        Columns { cell: self.cell.scaled(q.sqrt().recip()), ..*self }
+    /// Makes them what survivors of roulette with the probability `q` stand for.
+    pub fn survive(&mut self, q: f64) {
+        self.cell = self.cell.scaled(q.sqrt().recip());
     }
-    /// Without columns that turn too far to be followed, and how many were narrowed.
-    pub fn narrowed(&self) -> (Self, u32) {
-        let ((cell, narrow), (time, fast)) = (narrowed(&self.cell, MAX_SPREAD), narrowed(&self.time, MAX_SPREAD));
-        (Columns { cell, time }, narrow + fast)
+    /// Narrows those that turn too far to be followed, and returns how many these are.
+    pub fn narrow(&mut self) -> u32 {
+        narrow(&mut self.cell, MAX_SPREAD) + narrow(&mut self.time, MAX_SPREAD)
     }
     pub fn is_finite(&self) -> bool {
         self.cell.is_finite() && self.time.is_finite()

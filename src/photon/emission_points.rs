@@ -161,11 +161,10 @@ impl EmissionPoints {
 
     /// Turns a sample of the light into a photon's share of it: flux divided, columns scaled to the photon's cell. Of
     /// points that are kept with the probability `keep` each stands for 1/keep of them.
-    pub fn share(&self, mut emission: Emission, keep: f64) -> Emission {
+    pub fn share(&self, emission: &mut Emission, keep: f64) {
         emission.flux = emission.flux / (keep * self.lattice.len() as f64);
         let inscribed = FRAC_2_SQRT_PI / keep.sqrt();
         emission.jacobian = emission.jacobian.scaled_each(self.cell.map(|side| inscribed * side));
-        emission
     }
 }
 

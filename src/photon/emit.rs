@@ -71,8 +71,10 @@ impl EmissionUnit {
             }
             emitted += 1;
             let time = self.points.time(i, &mut stream);
-            if let Some(emission) = lights.emit(self.light, u, &self.target.aim, time).filter(|e| !e.flux.is_zero()) {
-                photon(&self.points.share(emission, keep), time, &mut stream);
+            let Some(mut emission) = lights.emit(self.light, u, &self.target.aim, time) else { continue };
+            if !emission.flux.is_zero() {
+                self.points.share(&mut emission, keep);
+                photon(&emission, time, &mut stream);
             }
         }
         emitted

@@ -65,6 +65,7 @@ const WIDEST: f64 = 0.5;
 type Kind = fn(&mut Kinds<Vec<Photon>>) -> &mut Vec<Photon>;
 
 /// A ray of light on its way.
+#[derive(Clone, Copy)]
 struct Branch<const N: usize, const T: usize> {
     origin: Point3,
     w: Dir3,
@@ -85,29 +86,16 @@ struct Branch<const N: usize, const T: usize> {
 }
 
 impl<const N: usize, const T: usize> Branch<N, T> {
-    /// What goes on from `si` into `w` with `weight` of the flux and that `share` of the photon's, having survived roulette
-    /// with the probability `q`; the caller counts the event.
-    fn next(
-        &self,
-        si: &Interaction,
-        w: Dir3,
-        columns: &Columns<N, T>,
-        weight: Spectrum,
-        share: f64,
-        q: f64,
-    ) -> Branch<N, T> {
-        Branch {
-            origin: si.ray_origin(w),
-            w,
-            columns: columns.survived(q),
-            flux: self.flux * (weight / q),
-            share: share / q,
-            edge: self.edge + 1,
-            chain: 0,
-            deltas: 0,
-            bounces: self.bounces,
-            inside: self.inside,
-        }
+    /// Goes on from `si` into `w` with `weight` of the flux and that `share` of the photon's, having survived roulette with
+    /// the probability `q`; the caller sees to the columns of the event, and counts it.
+    fn leave(&mut self, si: &Interaction, w: Dir3, weight: Spectrum, share: f64, q: f64) {
+        self.origin = si.ray_origin(w);
+        self.w = w;
+        self.columns.survive(q);
+        self.flux = self.flux * (weight / q);
+        self.share = share / q;
+        self.edge += 1;
+        (self.chain, self.deltas) = (0, 0);
     }
 }
 
@@ -162,10 +150,14 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         let (columns, flux) = (Columns::emitted(emission, self.time_cells.length()), emission.flux);
         self.time = time;
         let inside = self.world.inside(origin, time);
-        let start = Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0, inside };
-        self.pending.push(start);
-        while let Some(branch) = self.pending.pop() {
-            self.fly(branch, stream);
+        let mut branch =
+            Branch { origin, w, columns, flux, share: 1.0, edge: 1, chain: 0, deltas: 0, bounces: 0, inside };
+        loop {
+            self.fly(&mut branch, stream);
+            // Copied but once: it is large.
+            let Some(next) = self.pending.last() else { break };
+            branch = *next;
+            self.pending.pop();
         }
     }
 
@@ -185,7 +177,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         }
     }
 
-    fn fly(&mut self, mut branch: Branch<N, T>, stream: &mut Stream) {
+    fn fly(&mut self, branch: &mut Branch<N, T>, stream: &mut Stream) {
         let world = self.world;
         let met = match &world.regions {
             None => {
@@ -193,7 +185,7 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
                 self.counts.escaped += u64::from(si.is_none());
                 si
             }
-            Some(regions) => self.cross(regions, &mut branch, stream),
+            Some(regions) => self.cross(regions, branch, stream),
         };
         let Some(si) = met else { return };
         if branch.edge == 1 && self.is_of_another_group(&si) {
@@ -202,21 +194,20 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         }
         let straight_from_bounce = branch.chain == 0 && branch.bounces > 0;
         let motion = self.motion(&si);
-        let columns = match self.bounces.filter(|_| straight_from_bounce) {
-            Some(bounces) => Columns { cell: bounces.landing(&branch.columns.cell, &si), ..branch.columns }
-                .transferred(branch.w, &si, &motion),
-            None => branch.columns.transferred(branch.w, &si, &motion),
-        };
-        if !columns.is_finite() {
+        if let Some(bounces) = self.bounces.filter(|_| straight_from_bounce) {
+            branch.columns.cell = bounces.landing(&branch.columns.cell, &si);
+        }
+        branch.columns.transfer(branch.w, &si, &motion);
+        if !branch.columns.is_finite() {
             self.counts.broken_columns += 1;
             return;
         }
         let bsdf = self.world.bsdf_unfiltered(&si);
         if bsdf.has_scatter()
             && self.beams.is_none()
-            && let Some(kind) = self.kind_of(&branch, bsdf.is_glossy())
+            && let Some(kind) = self.kind_of(branch, bsdf.is_glossy())
         {
-            self.store(&si, &branch, &columns, kind);
+            self.store(&si, branch, kind);
         }
         let may = |event| branch.edge > 1 || self.first_event == event;
         let [scatters, glances] =
@@ -234,13 +225,13 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             return;
         }
         if scatters {
-            self.scatter(&si, &bsdf, &branch, &columns, stream);
+            self.scatter(&si, &bsdf, branch, stream);
         }
         if glances {
-            self.glance(&si, &bsdf, &branch, &columns, stream);
+            self.glance(&si, &bsdf, branch, stream);
         }
         if let Some(bounces) = &bounces {
-            self.bounce(bounces, &si, &bsdf, &branch, &columns, stream);
+            self.bounce(bounces, &si, &bsdf, branch, stream);
         }
     }
 
@@ -273,7 +264,8 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         }
     }
 
-    fn store(&mut self, si: &Interaction, branch: &Branch<N, T>, columns: &Columns<N, T>, kind: Kind) {
+    fn store(&mut self, si: &Interaction, branch: &Branch<N, T>, kind: Kind) {
+        let columns = &branch.columns;
         if !branch.flux.0.is_finite() {
             self.counts.broken_flux += 1;
             return;
@@ -337,22 +329,15 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
     }
 
     /// What leaves `si` is to be followed, too.
-    fn go_on(&mut self, si: &Interaction, mut branch: Branch<N, T>) {
+    fn go_on(&mut self, si: &Interaction, branch: &mut Branch<N, T>) {
         if let Some(regions) = &self.world.regions {
             branch.inside = regions.beyond(branch.inside, si, branch.w);
         }
-        self.pending.push(branch);
+        self.pending.push(*branch);
     }
 
     /// Goes on through all delta lobes that are strong enough.
-    fn scatter(
-        &mut self,
-        si: &Interaction,
-        bsdf: &Bsdf,
-        branch: &Branch<N, T>,
-        columns: &Columns<N, T>,
-        stream: &mut Stream,
-    ) {
+    fn scatter(&mut self, si: &Interaction, bsdf: &Bsdf, branch: &Branch<N, T>, stream: &mut Stream) {
         let mut followed = 0;
         let branches = bsdf.delta_branches(si.wo);
         self.counts.normals_disagree += branches.refused();
@@ -362,32 +347,26 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
                 self.counts.roulette += 1;
                 continue;
             };
-            let (w, columns) = columns.over_facet(si, branch.w, (si.ns, delta.eta), &self.motion(si));
-            let (columns, narrow) = columns.narrowed();
-            self.counts.narrowed_columns += u64::from(narrow);
-            let next = branch.next(si, w, &columns, delta.weight, share, q);
-            self.go_on(si, Branch { chain: branch.chain + 1, deltas: branch.deltas + 1, ..next });
+            let mut next = *branch;
+            let w = next.columns.turn(si, branch.w, (si.ns, delta.eta), &self.motion(si));
+            self.counts.narrowed_columns += u64::from(next.columns.narrow());
+            next.leave(si, w, delta.weight, share, q);
+            (next.chain, next.deltas) = (branch.chain + 1, branch.deltas + 1);
+            self.go_on(si, &mut next);
             followed += 1;
         }
         self.counts.split += u64::from(followed > 1);
     }
 
     /// Goes on over a facet of a glossy surface, drawn at random.
-    fn glance(
-        &mut self,
-        si: &Interaction,
-        bsdf: &Bsdf,
-        branch: &Branch<N, T>,
-        columns: &Columns<N, T>,
-        stream: &mut Stream,
-    ) {
+    fn glance(&mut self, si: &Interaction, bsdf: &Bsdf, branch: &Branch<N, T>, stream: &mut Stream) {
         let (uc, u, mode) = (stream.uniform(), stream.uniform2(), TransportMode::Importance);
-        let next = bsdf.sample_scatter(si.wo, uc, u, mode);
-        let Some((next, facet)) = next.and_then(|next| Some((next, bsdf.facet(si.wo, next.wi)?))) else {
+        let sample = bsdf.sample_scatter(si.wo, uc, u, mode);
+        let Some((sample, facet)) = sample.and_then(|sample| Some((sample, bsdf.facet(si.wo, sample.wi)?))) else {
             self.counts.absorbed += 1;
             return;
         };
-        let weight = next.weight * shading_normal_factor(si.wo, next.wi, si.ns, si.ng);
+        let weight = sample.weight * shading_normal_factor(si.wo, sample.wi, si.ns, si.ng);
         let share = branch.share * weight.max_component();
         let Some(q) = survive(share, self.limits.roulette_below, stream) else {
             self.counts.roulette += 1;
@@ -395,40 +374,35 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         };
         let (normal, eta) = facet;
         let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
-        let (_, columns) = columns.over_facet(si, branch.w, (normal, eta), &self.motion(si));
-        let (columns, narrow) = columns.narrowed();
-        self.counts.narrowed_columns += u64::from(narrow);
-        let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, next.wi, mode).get());
-        let columns = Columns { cell: blurred(&columns.cell, si.ng, next.wi, cell), ..columns };
-        let next = branch.next(si, next.wi, &columns, weight, share, q);
-        self.go_on(si, Branch { chain: branch.chain + 1, ..next });
+        let mut next = *branch;
+        next.columns.turn(si, branch.w, (normal, eta), &self.motion(si));
+        self.counts.narrowed_columns += u64::from(next.columns.narrow());
+        let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, sample.wi, mode).get());
+        next.columns.cell = blurred(&next.columns.cell, si.ng, sample.wi, cell);
+        next.leave(si, sample.wi, weight, share, q);
+        next.chain = branch.chain + 1;
+        self.go_on(si, &mut next);
     }
 
     /// Goes on through the lobes that are not deltas. What is lost in the mean is lost at roulette, so that flux stays what
     /// it was, but not of photons on their way to where they are wanted: there are few of them.
-    fn bounce(
-        &mut self,
-        bounces: &Bounces,
-        si: &Interaction,
-        bsdf: &Bsdf,
-        branch: &Branch<N, T>,
-        columns: &Columns<N, T>,
-        stream: &mut Stream,
-    ) {
-        let Some(next) = bounces.sample(si, bsdf, stream) else {
+    fn bounce(&mut self, bounces: &Bounces, si: &Interaction, bsdf: &Bsdf, branch: &Branch<N, T>, stream: &mut Stream) {
+        let Some(sample) = bounces.sample(si, bsdf, stream) else {
             self.counts.absorbed += 1;
             return;
         };
-        let weight = next.weight.max_component();
-        let below = if next.aimed { self.limits.roulette_below } else { 1.0 };
+        let weight = sample.weight.max_component();
+        let below = if sample.aimed { self.limits.roulette_below } else { 1.0 };
         let Some(q) = survive(bounces.share * weight.min(1.0), below, stream) else {
             self.counts.roulette += 1;
             return;
         };
-        let cell = bounces.columns(&columns.cell, si.ng, &next, branch.bounces + 1);
-        let columns = columns.scattered(cell, &self.motion(si));
-        let next = branch.next(si, next.wi, &columns, next.weight, branch.share * weight, q);
-        self.go_on(si, Branch { bounces: branch.bounces + 1, ..next });
+        let mut next = *branch;
+        let cell = bounces.columns(&branch.columns.cell, si.ng, &sample, branch.bounces + 1);
+        next.columns = branch.columns.scattered(cell, &self.motion(si));
+        next.leave(si, sample.wi, sample.weight, branch.share * weight, q);
+        next.bounces += 1;
+        self.go_on(si, &mut next);
         self.counts.bounced += 1;
     }
 }

@@ -10,8 +10,8 @@ use crate::camera::{Camera, filter_offset};
 use crate::estimate::{Turn, bandwidth};
 use crate::film::{self, EyeSample, PixelBounds, Tile};
 use crate::math::Vec2;
-use crate::sampling::{PixelPattern, PixelSamples};
 use crate::sampling::warp::{ConcentricDisk, Warp};
+use crate::sampling::{PixelPattern, PixelSamples};
 use crate::scene::RenderSettings;
 use crate::scene::settings::Estimator;
 

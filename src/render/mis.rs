@@ -50,12 +50,13 @@ fn mean_ratio(world: &World, plan: &EmissionPlan) -> Option<f64> {
             continue;
         }
         let time = points.time(i, &mut stream);
-        let Some(emission) = world.lights.emit(plan.light, u, &plan.target.aim, time) else { continue };
+        let Some(mut emission) = world.lights.emit(plan.light, u, &plan.target.aim, time) else { continue };
         let (Some(pdf_a), Some(pdf_w)) = (emission.pdf_a, emission.pdf_w) else { continue };
         let cosine = emission.normal.map_or(1.0, |n| n.dot(emission.direction).abs());
         let density = plan.points as f64 * pdf_a.get() * pdf_w.get() / cosine;
         tracer.stored.caustic.clear();
-        tracer.trace(&points.share(emission, 1.0), time, &mut stream);
+        points.share(&mut emission, 1.0);
+        tracer.trace(&emission, time, &mut stream);
         for photon in &tracer.stored.caustic {
             let area = PI * photon.form().determinant().max(0.0).sqrt();
             if area > 0.0 {

@@ -12,11 +12,14 @@ use crate::world::World;
 /// part of it takes about that part of the time.
 const MOST_PARTS: u32 = 16;
 
+/// Sizes of passes between a whole and its half, in eighths; as many between the half and the quarter, and so on.
+const EIGHTHS: [u32; 4] = [8, 7, 6, 5];
+
 /// A part of a pass that was rendered for the clock alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Rehearsal {
-    /// How many of them make a pass.
-    parts: u32,
+    /// How large a part.
+    size: f64,
     taken: Duration,
 }
 
@@ -25,43 +28,46 @@ impl Rehearsal {
     /// stopped.
     pub fn of_pass(world: &mut World, watch: &dyn Watch) -> Result<Option<Rehearsal>, BadCamera> {
         let settings = world.scene.settings.clone();
-        let Some(parts) = all_parts(&settings).last() else { return Ok(None) };
-        world.scene.settings = part(&settings, parts);
+        let Some(size) = smaller_sizes(&settings).last() else { return Ok(None) };
+        world.scene.settings = part(&settings, size);
         let start = Instant::now();
         let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
         let ended = go_on(world, &mut state, watch, |state| state.film.passes() == 0);
         world.scene.settings = settings;
         let is_done = ended? == Ended::Done;
-        Ok(is_done.then(|| Rehearsal { parts, taken: start.elapsed() }))
+        Ok(is_done.then(|| Rehearsal { size, taken: start.elapsed() }))
     }
 
     /// What a whole pass takes, about.
     pub fn pass(&self) -> Duration {
-        self.taken * self.parts
+        self.taken.div_f64(self.size)
     }
 
-    /// Settings whose passes are the largest parts that end within `left`, or else the smallest ones; their number is such
-    /// that the whole has as many photons and samples. `None`: a pass ends in time as it is.
+    /// Settings whose passes are the largest parts that end within `left` of when the rehearsal began, or else the smallest
+    /// ones; their number is such that the whole has as many photons and samples. `None`: a pass ends in time as it is.
     pub fn fit(&self, settings: &RenderSettings, left: Duration) -> Option<RenderSettings> {
+        let left = left.saturating_sub(self.taken);
         if self.pass() <= left {
             return None;
         }
-        let in_time = all_parts(settings).find(|&parts| self.pass() / parts <= left);
-        let parts = in_time.or_else(|| all_parts(settings).last())?;
-        Some(RenderSettings { passes: settings.passes.saturating_mul(parts), ..part(settings, parts) })
+        let in_time = smaller_sizes(settings).find(|&size| self.pass().mul_f64(size) <= left);
+        let size = in_time.or_else(|| smaller_sizes(settings).last())?;
+        let passes = (f64::from(settings.passes) / size).ceil() as u32;
+        Some(RenderSettings { passes, ..part(settings, size) })
     }
 }
 
-/// Into how many parts a pass can be cut, ascending.
-fn all_parts(settings: &RenderSettings) -> impl Iterator<Item = u32> {
-    let most = settings.spp.min(MOST_PARTS);
-    (1..).map(|k| 1 << k).take_while(move |&parts| parts <= most)
+/// Shares of a pass that are passes of their own, descending.
+fn smaller_sizes(settings: &RenderSettings) -> impl Iterator<Item = f64> {
+    let smallest = 1.0 / f64::from(settings.spp.clamp(1, MOST_PARTS));
+    let sizes = (0..).flat_map(|halvings: u32| EIGHTHS.map(|eighths| f64::from(eighths) / f64::from(8u32 << halvings)));
+    sizes.skip(1).take_while(move |&size| size >= smallest)
 }
 
-fn part(settings: &RenderSettings, parts: u32) -> RenderSettings {
+fn part(settings: &RenderSettings, size: f64) -> RenderSettings {
     RenderSettings {
-        photons: settings.photons.div_ceil(u64::from(parts)),
-        spp: settings.spp.div_ceil(parts),
+        photons: (settings.photons as f64 * size).ceil() as u64,
+        spp: (f64::from(settings.spp) * size).round() as u32,
         ..settings.clone()
     }
 }
@@ -73,23 +79,28 @@ mod tests {
     #[test]
     fn passes_are_as_large_as_the_time_allows() {
         let settings = RenderSettings { photons: 1_000_000, spp: 16, passes: 1, ..RenderSettings::default() };
-        let rehearsal = Rehearsal { parts: 16, taken: Duration::from_secs(1) };
+        let rehearsal = Rehearsal { size: 1.0 / 16.0, taken: Duration::from_secs(1) };
         assert_eq!(rehearsal.pass(), Duration::from_secs(16));
         let fit = |seconds| {
             let fitted = rehearsal.fit(&settings, Duration::from_secs_f64(seconds))?;
             Some((fitted.photons, fitted.spp, fitted.passes))
         };
-        assert_eq!(fit(16.0), None);
-        assert_eq!(fit(15.0), Some((500_000, 8, 2)));
-        assert_eq!(fit(3.0), Some((125_000, 2, 8)));
+        assert_eq!(fit(17.0), None);
+        assert_eq!(fit(16.5), Some((875_000, 14, 2)));
+        assert_eq!(fit(12.0), Some((625_000, 10, 2)));
+        assert_eq!(fit(4.0), Some((187_500, 3, 6)));
         assert_eq!(fit(0.0), Some((62_500, 1, 16)));
     }
 
     #[test]
     fn no_pass_has_less_than_a_sample() {
-        let of = |spp| all_parts(&RenderSettings { spp, ..RenderSettings::default() }).collect::<Vec<u32>>();
-        assert_eq!(of(1), [0; 0]);
-        assert_eq!(of(5), [2, 4]);
-        assert_eq!(of(1000), [2, 4, 8, 16]);
+        let of = |spp| smaller_sizes(&RenderSettings { spp, ..RenderSettings::default() }).collect::<Vec<f64>>();
+        assert_eq!(of(1), [0.0; 0]);
+        assert_eq!(of(3), [0.875, 0.75, 0.625, 0.5, 0.4375, 0.375]);
+        assert_eq!((of(16).len(), of(16).last()), (16, Some(&0.0625)));
+        assert_eq!(of(16), of(1000));
+        let smallest =
+            |spp| part(&RenderSettings { spp, ..RenderSettings::default() }, *of(spp).last().expect("a part"));
+        assert!((2..100).all(|spp| smallest(spp).spp >= 1));
     }
 }

@@ -14,7 +14,7 @@ use pdembree::render::progress::Silent;
 use pdembree::render::unit::on_one_thread;
 use pdembree::render::watch::Unattended;
 use pdembree::render::{Job, RenderState, emission, photon_map};
-use pdembree::sampling::PixelSamples;
+use pdembree::sampling::PixelPattern;
 use pdembree::sampling::warp::{ConcentricDisk, Warp};
 use pdembree::world::World;
 
@@ -106,17 +106,17 @@ impl Small {
             max_bounces: settings.max_bounces,
             sample_radius: 0.75 / f64::from(settings.spp).sqrt(),
         };
+        let pattern = PixelPattern::new(settings.spp);
         let (mut samples, mut queries, mut owners) = (Vec::new(), Vec::new(), Vec::new());
         for y in bounds.y0..bounds.y1 {
             for x in bounds.x0..bounds.x1 {
                 let number = u64::from(y * self.pixels().width() + x);
-                let pixel = PixelSamples::new(settings.seed, 0, number, settings.spp);
+                let pixel = pattern.of(settings.seed, 0, number);
                 for index in 0..settings.spp {
-                    let start = pixel.get(index);
+                    let (start, stream) = pixel.get(index);
                     let centre = Vec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
                     let raster = centre + filter_offset(self.world.scene.camera.filter, start.raster);
                     let ray = self.camera.ray(raster, ConcentricDisk.sample(start.lens));
-                    let stream = PixelSamples::stream(settings.seed, 0, number, index);
                     let turn = Turn { index, of: settings.spp };
                     samples.push((x, y, tracer.trace(&ray, &start, turn, stream, &mut queries)));
                     owners.resize(queries.len(), samples.len() - 1);

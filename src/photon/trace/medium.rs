@@ -126,7 +126,8 @@ impl<const N: usize, const T: usize> PhotonTracer<'_, N, T> {
         // Along the way into which it goes on its place does not matter.
         let across = Normal3::from_unit(next.wi.to_vec());
         let cell = bounces.columns(&there_columns.cell, across, &next, branch.bounces + 1);
-        let columns = there_columns.scattered(cell, &SurfaceMotion::STILL).survived(q);
+        let mut columns = there_columns.scattered(cell, &SurfaceMotion::STILL);
+        columns.survive(q);
         self.pending.push(Branch {
             origin: p,
             w: next.wi,
