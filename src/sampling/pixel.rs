@@ -152,4 +152,25 @@ mod tests {
             }
         }
     }
+
+    /// The mean over n samples of each of a pair's numbers has the variance 1/(12 n³), within five standard errors: of n
+    /// independent places in rows of 1/n. A lattice moved as a whole has 1/(12 n²).
+    #[test]
+    fn the_mean_of_a_slope_errs_by_the_places_in_the_rows_alone() {
+        const PIXELS: u64 = 4000;
+        for n in [1u32, 5, 16] {
+            let pattern = PixelPattern::new(n);
+            for axis in 0..2 {
+                let mean = |pixel| {
+                    let samples = pattern.of(7, 0, pixel);
+                    (0..n).map(|i| samples.get(i).0.light[axis]).sum::<f64>() / f64::from(n)
+                };
+                let variance = (0..PIXELS).map(|pixel| (mean(pixel) - 0.5).powi(2)).sum::<f64>() / PIXELS as f64;
+                let expected = 1.0 / (12.0 * f64::from(n).powi(3));
+                // Of a sum of uniform numbers the fourth moment is less than the normal distribution's 3σ⁴.
+                let error = expected * (2.0 / PIXELS as f64).sqrt();
+                assert!((variance - expected).abs() < 5.0 * error, "n={n}: {variance} for {expected}");
+            }
+        }
+    }
 }
