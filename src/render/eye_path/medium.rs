@@ -7,7 +7,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{EyePathTracer, Walk, survives_roulette};
+use super::{Aside, EyePathTracer, Seen, Walk, survives_roulette};
 use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
 use crate::math::Ray;
@@ -20,14 +20,32 @@ use crate::world::{Flown, MediumPoint};
 /// How many of the edges behind a bounce ask for beams, for all of them: each crosses hundreds, and a pixel averages many.
 const ASKING_BEHIND_A_BOUNCE: f64 = 0.25;
 
+impl Seen {
+    /// Light is scattered at a place in a medium on edge `edge`: the layers that show what the eye sees first.
+    pub(super) fn medium(&mut self, regions: &Regions, at: &MediumPoint, edge: u32) {
+        if edge == 1 && self.sample.depth.is_none() {
+            self.sample.depth = Some(at.t);
+            self.sample.position = at.p.to_vec();
+        }
+        if !self.scatters {
+            self.sample.albedo = regions.get(at.medium).albedo();
+        }
+        self.scatters = true;
+    }
+}
+
 impl EyePathTracer<'_> {
-    /// To the next surface, or to where a medium scatters; `walk.beta` is what is left.
+    /// To the next surface, or to where a medium scatters; `walk.beta` is what is left. Straight from the eye the path goes on
+    /// to the surface in any case, with what the media leave of it, and what they scatter is a path aside: a bright surface
+    /// behind fog would else be seen by some samples and not by others.
     pub(super) fn fly(
         &self,
         regions: &Regions,
         walk: &mut Walk,
+        edge: u32,
         stream: &mut Stream,
-        sample: &mut EyeSample,
+        seen: &mut Seen,
+        aside: &mut Vec<Aside>,
     ) -> Flown<MediumPoint> {
         let may_scatter =
             self.task.finds != EyeFinds::Emitters && !walk.looks_for_lights_only && walk.bounces <= self.max_bounces;
@@ -36,9 +54,11 @@ impl EyePathTracer<'_> {
         let (scattered, straight) = (self.task.finds.leaves_scattered(walk.bounces), walk.walked.straight_at(false));
         let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
         let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
+        let parts = walk.scattered.is_none();
+        let start = parts.then(|| walk.clone());
         let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
         let along_rays = asked.is_none_or(|beams| beams.asks_along_rays());
-        self.world.fly(regions, &ray, &mut walk.inside, |stretch, _| {
+        self.world.fly(regions, &ray, &mut walk.inside, |stretch, inside| {
             let (medium, way) = (regions.get(stretch.medium), regions.way(stretch, ray.origin, w));
             if !may_scatter || !medium.scatters() {
                 *beta *= way.transmittance();
@@ -59,46 +79,31 @@ impl EyePathTracer<'_> {
                     bounces,
                 };
                 beams.along(&segment, scattered, straight, |kind, light| {
-                    sample.add(kind, *beta * light * (1.0 / asking))
+                    seen.sample.add(kind, *beta * light * (1.0 / asking))
                 });
             }
-            let (event, weight) = way.draw(*beta, stream.uniform2());
-            *beta *= weight;
-            match event {
-                None => ControlFlow::Continue(()),
-                Some(t) => {
-                    if let Some(beams) = asked.filter(|_| !along_rays)
-                        && (asking == 1.0 || stream.uniform() < asking)
-                    {
-                        let eye = eye.map(|(dx, dw)| dx + dw * t);
-                        let place = Place { p: ray.at(t), w, id: stretch.medium, medium, eye, bounces };
-                        beams.at(&place, scattered, straight, |kind, light| {
-                            sample.add(kind, *beta * light * (1.0 / asking))
-                        });
-                    }
-                    ControlFlow::Break(MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium })
-                }
+            let before = *beta;
+            let (event, weight) = way.draw(before, stream.uniform2());
+            *beta = before * if parts { way.transmittance() } else { weight };
+            let Some(t) = event else { return ControlFlow::Continue(()) };
+            let at = MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium };
+            if let Some(beams) = asked.filter(|_| !along_rays)
+                && (asking == 1.0 || stream.uniform() < asking)
+            {
+                let eye = eye.map(|(dx, dw)| dx + dw * t);
+                let place = Place { p: at.p, w, id: stretch.medium, medium, eye, bounces };
+                beams.at(&place, scattered, straight, |kind, light| {
+                    seen.sample.add(kind, before * weight * light * (1.0 / asking))
+                });
             }
+            let Some(start) = &start else { return ControlFlow::Break(at) };
+            seen.medium(regions, &at, edge);
+            let mut walk = Walk { beta: before * weight, inside, ..start.clone() };
+            if self.scatter_in_medium(regions, &mut walk, &at, edge, stream, &mut seen.sample) {
+                aside.push(Aside { walk, edge: edge + 1 });
+            }
+            ControlFlow::Continue(())
         })
-    }
-
-    /// Fills the layers that show what the eye sees first.
-    pub(super) fn see_medium(
-        &self,
-        regions: &Regions,
-        at: &MediumPoint,
-        edge: u32,
-        seen: bool,
-        sample: &mut EyeSample,
-    ) -> bool {
-        if edge == 1 {
-            sample.depth = Some(at.t);
-            sample.position = at.p.to_vec();
-        }
-        if !seen {
-            sample.albedo = regions.get(at.medium).albedo();
-        }
-        true
     }
 
     /// Light from lights at a place in a medium, and the way on; false where the path ends.
