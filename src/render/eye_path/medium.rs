@@ -10,8 +10,9 @@ use std::ops::ControlFlow;
 use super::{Aside, EyePathTracer, Seen, Walk, survives_roulette};
 use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
+use crate::light::select::LightChoice;
 use crate::math::Ray;
-use crate::medium::{HenyeyGreenstein, Regions, Way};
+use crate::medium::{HenyeyGreenstein, Regions, Stretch, Way};
 use crate::radiometry::measure::power_heuristic;
 use crate::render::partition::EyeFinds;
 use crate::sampling::Stream;
@@ -83,6 +84,10 @@ impl EyePathTracer<'_> {
                 });
             }
             let before = *beta;
+            if let Some(start) = &start {
+                let walk = Walk { beta: before, inside, ..start.clone() };
+                self.add_direct_light_along(regions, &walk, stretch, stream, &mut seen.sample);
+            }
             let (event, weight) = way.draw(before, stream.uniform2());
             *beta = before * if parts { way.transmittance() } else { weight };
             let Some(t) = event else { return ControlFlow::Continue(()) };
@@ -120,7 +125,10 @@ impl EyePathTracer<'_> {
         if walk.beta.is_black() {
             return false;
         }
-        self.add_direct_light_in_medium(regions, walk, at, &phase, stream, sample);
+        // What the eye's own ray scatters has been looked for along all of it.
+        if walk.scattered.is_some() {
+            self.add_direct_light_in_medium(regions, walk, at, stream, sample);
+        }
         let u = walk.first_bounce.take().map_or_else(|| stream.uniform2(), |(_, u)| u);
         let (wi, pdf) = phase.turn(walk.w, u);
         walk.walked = walk.walked.scattered(false);
@@ -142,17 +150,52 @@ impl EyePathTracer<'_> {
         regions: &Regions,
         walk: &mut Walk,
         at: &MediumPoint,
-        phase: &HenyeyGreenstein,
         stream: &mut Stream,
         sample: &mut EyeSample,
     ) {
         let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let Some(choice) = self.world.lights.pick(choice) else { return };
-        let Some(found) = self.world.lights.get(choice.light).sample_li(at.p, u) else { return };
+        self.add_light_at(regions, walk, at, (choice, u), sample);
+    }
+
+    /// Light from a light that a stretch of the eye's own ray scatters once: at a place drawn for that light, on every such
+    /// stretch. `walk` is how it came to the stretch.
+    fn add_direct_light_along(
+        &self,
+        regions: &Regions,
+        walk: &Walk,
+        stretch: &Stretch,
+        stream: &mut Stream,
+        sample: &mut EyeSample,
+    ) {
+        let (choice, u) = walk.first_light.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
+        let [side, channel, place] = [stream.uniform(), stream.uniform(), stream.uniform()];
+        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let (ray, time) = (&walk.ray, walk.ray.time);
+        // The light's own numbers say which point of it is meant: with each of them the mean over the places is the light there.
+        let middle = ray.at(0.5 * (stretch.from + stretch.to));
+        let point = self.world.lights.sample_li(choice.light, middle, u, time);
+        let point = point.filter(|found| found.distance.is_finite()).map(|found| middle + found.wi * found.distance);
+        let way = regions.way(stretch, ray.origin, walk.w);
+        let Some((t, weight)) = way.draw_towards(point, walk.beta, [side, channel, place]) else { return };
+        let lit = Walk { beta: walk.beta * weight, ..walk.clone() };
+        let at = MediumPoint { p: ray.at(t), t, time, medium: stretch.medium };
+        self.add_light_at(regions, &lit, &at, (choice, u), sample);
+    }
+
+    fn add_light_at(
+        &self,
+        regions: &Regions,
+        walk: &Walk,
+        at: &MediumPoint,
+        (choice, u): (LightChoice, [f64; 2]),
+        sample: &mut EyeSample,
+    ) {
+        let Some(found) = self.world.lights.sample_li(choice.light, at.p, u, at.time) else { return };
         if found.weight.is_zero() {
             return;
         }
-        let value = phase.between(walk.w, found.wi);
+        let value = HenyeyGreenstein::new(regions.get(at.medium).asymmetry).between(walk.w, found.wi);
         let ray = at.shadow_ray(found.wi, found.distance);
         let Some(left) = self.world.transmittance(regions, &ray, walk.inside) else { return };
         let weight = match found.pdf {
