@@ -52,7 +52,7 @@ pub fn beam_scale(scale: f64, overlap: f64, beams: u64) -> f64 {
 }
 
 /// How much narrower than those of pass 0 all beams of pass `pass` are: i^(−γ), as [`narrowing`] with p = 1/2: how beams lie on
-/// a line is next to random, whatever pattern they set out in, so that the variance falls like 1/s (measured, `src/doc/media.md`).
+/// a line is next to random, whatever pattern they set out in: the variance falls like s^(−0.8), measured (`src/doc/media.md`).
 pub fn beam_narrowing(pass: u32) -> f64 {
     f64::from(pass + 1).powf(-0.5 / (2.0 + 0.5))
 }
@@ -96,6 +96,19 @@ mod tests {
         assert_eq!(neighbours(70, EmissionPattern::Lattice, 0), 70);
         assert_eq!(neighbours(80, EmissionPattern::Random, 7), 40);
         assert_eq!(neighbours(2, EmissionPattern::Random, 999), 2);
+    }
+
+    /// With s as wide as all n beams together none is left out; a point's and a ray's number of photons are the same.
+    #[test]
+    fn as_many_beams_lie_over_a_ray_as_footprints_over_a_point() {
+        for (s, overlap, n) in [(2.0, 1.0, 10_000), (2.6, 32.0, 5_000), (6.0, 1.0, 1_000)] {
+            let beam = beam_scale(s, overlap, n);
+            // Of a line of length one, cells of the width √(o/n).
+            let over_a_ray = n as f64 * beam * (overlap / n as f64).sqrt();
+            assert!((over_a_ray - s * s * overlap).abs() < 1e-9, "{over_a_ray}");
+        }
+        assert_eq!(beam_scale(2.0, 32.0, 4), 2.0);
+        assert!((beam_narrowing(31) - 0.5).abs() < 1e-15);
     }
 
     /// r²₁₀₀₀/r²₁ = .11076 (PHOTON_DIFFERENTIALS 4.3).

@@ -142,6 +142,14 @@ mod tests {
         }
     }
 
+    /// Of cells in equal parts what [`FULL_OVERLAP`] says; of a source that is not cut in one pair, one.
+    #[test]
+    fn a_share_knows_its_overlap() {
+        assert!((Share::equal_parts(20_000, 0.3).overlap(20_000) - FULL_OVERLAP).abs() < 1e-9);
+        assert_eq!(Share::leading(1000, false).overlap(1000), 1.0);
+        assert_eq!(Share::leading(1000, true).overlap(1000), 1.0);
+    }
+
     /// The overlap 2 n d/(B² + D²), in units of D: all of it at first, then [`FULL_OVERLAP`], then as √n.
     #[test]
     fn the_overlap_grows_without_steps() {
