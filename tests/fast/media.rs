@@ -110,6 +110,7 @@ fn a_point_knows_what_it_is_inside_of() {
 #[test]
 fn a_point_is_inside_of_the_open_surface_above_it() {
     let pool = "format = 1\n[camera]\ntype = \"perspective\"\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\n\
+        fov_degrees = 40\nresolution = [4, 4]\n\
         [media.water]\nsigma_s = 0.1\n[materials.water]\ntype = \"dielectric\"\nior = 1.3\ninterior = \"water\"\n\
         [[objects]]\nshape = \"height_field\"\ncentre = [0, 0, 0]\nhalf_size = [2, 2]\nup = [0, 1, 0]\nx_axis = [1, 0, 0]\n\
         material = \"water\"\nwaves = [{ amplitude = 0.1, wave_vector = [3, 1], phase = 0 }]\n\
