@@ -165,13 +165,13 @@ pub enum MaterialModel {
 impl MaterialModel {
     /// Whether light gets into its objects.
     pub fn has_inside(&self) -> bool {
-        match self {
+        matches!(
+            self,
             MaterialModel::Dielectric { .. }
-            | MaterialModel::RoughDielectric { .. }
-            | MaterialModel::Principled { .. }
-            | MaterialModel::Interface => true,
-            _ => false,
-        }
+                | MaterialModel::RoughDielectric { .. }
+                | MaterialModel::Principled { .. }
+                | MaterialModel::Interface
+        )
     }
 }
 
