@@ -64,21 +64,6 @@ fn global_photons_and_eye_paths_agree_in_fog() {
     }
 }
 
-/// `scenes/shaft`: a wave's light in the water under it, of a sun that no eye path finds. Fewer photons than the scene's own, so
-/// that beams are wider than they will be seen.
-#[test]
-fn shafts_of_light_under_water_are_as_light_paths_find_them() {
-    let shaft = include_str!("../../scenes/shaft/shaft.toml");
-    let small = [("[320, 240]", "[16, 16]"), ("passes = 8\n", ""), ("beams = 40000", "beams = 4000")];
-    let shaft = small.into_iter().fold(shaft.to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from}");
-        text.replace(from, to)
-    });
-    let both = [pictures(&shaft, &PHOTON_MAP), pictures(&shaft, &LIGHT)];
-    println!("focused {}", means(&both, "focused"));
-    assert!(assert_blocks_agree(&both, "focused", 4) > 0.0);
-}
-
 #[test]
 fn eye_paths_and_light_paths_agree_in_fog() {
     let fog = ball_in_fog(1);
