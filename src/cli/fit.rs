@@ -20,13 +20,22 @@ pub fn memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
         return;
     }
     let estimate = render::memory::estimate(world);
-    let about = format!(
-        "about {} of {} photons are stored in a pass, {} at {} bytes each",
-        estimate.stored,
-        world.scene.settings.photons,
-        size(estimate.bytes()),
-        render::memory::BYTES_PER_PHOTON
-    );
+    let about = match estimate.beams {
+        0 => format!(
+            "about {} of {} photons are stored in a pass, {} at {} bytes each",
+            estimate.stored,
+            world.scene.settings.photons,
+            size(estimate.bytes()),
+            render::memory::BYTES_PER_PHOTON
+        ),
+        beams => format!(
+            "about {} photons at {} bytes and {beams} beams at {} bytes are stored in a pass, {}",
+            estimate.stored,
+            render::memory::BYTES_PER_PHOTON,
+            estimate.bytes_per_beam,
+            size(estimate.bytes()),
+        ),
+    };
     let split = limit.and_then(|limit| render::memory::split(&world.scene.settings, &estimate, limit));
     let what = match &split {
         None => String::new(),

@@ -42,6 +42,21 @@ pub fn narrowing(emission: EmissionPattern, pass: u32) -> f64 {
     f64::from(pass + 1).powf(-0.5 / (2.0 + p))
 }
 
+/// The same factor for photons that are beams which rays cross, n of them with `overlap` cells over each other: √(o/n) s².
+///
+/// A footprint of scale s lies over one of s² o photons, and a beam of that scale over a ray that crosses s √(o n) of them: the
+/// blur goes along one line, on which the share of each is 1/n of the whole, and not 1/√n. With this factor a ray is left as
+/// many of them as a point has of footprints. It is none above the footprints' own.
+pub fn beam_scale(scale: f64, overlap: f64, beams: u64) -> f64 {
+    scale * (scale * (overlap / beams.max(1) as f64).sqrt()).min(1.0)
+}
+
+/// How much narrower than those of pass 0 all beams of pass `pass` are: i^(−γ), as [`narrowing`] with p = 1/2: how beams lie on
+/// a line is next to random, whatever pattern they set out in: the variance falls like s^(−0.8), measured (`src/doc/media.md`).
+pub fn beam_narrowing(pass: u32) -> f64 {
+    f64::from(pass + 1).powf(-0.5 / (2.0 + 0.5))
+}
+
 /// Neighbours that pass `pass` asks for when the first asks for `k`: their disc's area is narrowed like a footprint's.
 /// Two at least, since a radius needs them.
 pub fn neighbours(k: u32, emission: EmissionPattern, pass: u32) -> usize {
@@ -81,6 +96,19 @@ mod tests {
         assert_eq!(neighbours(70, EmissionPattern::Lattice, 0), 70);
         assert_eq!(neighbours(80, EmissionPattern::Random, 7), 40);
         assert_eq!(neighbours(2, EmissionPattern::Random, 999), 2);
+    }
+
+    /// With s as wide as all n beams together none is left out; a point's and a ray's number of photons are the same.
+    #[test]
+    fn as_many_beams_lie_over_a_ray_as_footprints_over_a_point() {
+        for (s, overlap, n) in [(2.0, 1.0, 10_000), (2.6, 32.0, 5_000), (6.0, 1.0, 1_000)] {
+            let beam = beam_scale(s, overlap, n);
+            // Of a line of length one, cells of the width √(o/n).
+            let over_a_ray = n as f64 * beam * (overlap / n as f64).sqrt();
+            assert!((over_a_ray - s * s * overlap).abs() < 1e-9, "{over_a_ray}");
+        }
+        assert_eq!(beam_scale(2.0, 32.0, 4), 2.0);
+        assert!((beam_narrowing(31) - 0.5).abs() < 1e-15);
     }
 
     /// r²₁₀₀₀/r²₁ = .11076 (PHOTON_DIFFERENTIALS 4.3).

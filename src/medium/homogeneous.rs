@@ -53,20 +53,28 @@ impl Medium {
     /// A distance within `length` for the next event of light that carries `beta`, and its density, 1/m. `None` where nothing
     /// can happen.
     pub fn draw_column_within(&self, beta: Spectrum, length: f64, u: [f64; 2]) -> Option<(f64, f64)> {
-        let sigma = self.extinction().to_array();
-        let shares = shares(beta);
-        // 1 − T_c(length).
-        let chances = sigma.map(|s| if s > 0.0 { -(-s * length).exp_m1() } else { 0.0 });
+        let (shares, chances) = (shares(beta), self.chances(length));
         let drawn = chosen(&shares, u[0]);
         if chances[drawn] <= 0.0 {
             return None;
         }
-        let distance = (-(-u[1] * chances[drawn]).ln_1p() / sigma[drawn]).min(length);
-        let left = self.transmittance(distance);
-        let term =
-            |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left.to_array()[c] } else { 0.0 };
-        let density: f64 = (0..3).map(term).sum();
+        let sigma = self.extinction().to_array()[drawn];
+        let distance = (-(-u[1] * chances[drawn]).ln_1p() / sigma).min(length);
+        let density = self.density_within(beta, length, distance);
         (density > 0.0).then_some((distance, density))
+    }
+
+    /// The density with which [`Medium::draw_column_within`] finds a distance, 1/m.
+    pub fn density_within(&self, beta: Spectrum, length: f64, distance: f64) -> f64 {
+        let (shares, chances, sigma) = (shares(beta), self.chances(length), self.extinction().to_array());
+        let left = self.transmittance(distance).to_array();
+        let term = |c: usize| if chances[c] > 0.0 { shares[c] * sigma[c] / chances[c] * left[c] } else { 0.0 };
+        (0..3).map(term).sum()
+    }
+
+    /// 1 − T_c(length).
+    fn chances(&self, length: f64) -> [f64; 3] {
+        self.extinction().to_array().map(|s| if s > 0.0 { -(-s * length).exp_m1() } else { 0.0 })
     }
 }
 

@@ -2,6 +2,7 @@
 //! PHOTON_DIFFERENTIALS 8.
 
 pub mod column;
+mod equiangular;
 pub mod homogeneous;
 mod inside;
 mod lost;

@@ -113,10 +113,25 @@ impl Regions {
         self.interiors[object.index()].is_some()
     }
 
-    /// Whether some object may hold the point.
-    pub fn may_hold(&self, p: Point3) -> bool {
-        let holds = |bounds: &Bounds3| p.cmpge(*bounds.min).all() && p.cmple(*bounds.max).all();
-        self.solids.iter().any(holds)
+    /// Whether a ray from the point along `up` may get out of some object: a solid one around it, or an open one above it.
+    pub fn may_hold(&self, p: Point3, up: Dir3) -> bool {
+        let (p, up) = (p.to_array(), up.to_vec().to_array());
+        let above = |bounds: &Bounds3| {
+            let (lo, hi) = (bounds.min.to_array(), bounds.max.to_array());
+            let (mut near, mut far) = (0.0f64, f64::INFINITY);
+            for k in 0..3 {
+                if up[k] == 0.0 {
+                    if p[k] < lo[k] || p[k] > hi[k] {
+                        return false;
+                    }
+                    continue;
+                }
+                let [a, b] = [(lo[k] - p[k]) / up[k], (hi[k] - p[k]) / up[k]];
+                (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+            }
+            near <= far
+        };
+        self.solids.iter().any(above)
     }
 
     /// What a ray is inside of that came to `si` being inside of `inside` and leaves it towards `wi`.

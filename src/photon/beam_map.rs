@@ -15,6 +15,11 @@ const PIECES: f64 = 16.0;
 /// Pieces of one beam at most.
 const MOST_PIECES: f64 = 1024.0;
 
+/// A code on the curve and an index, by which pieces are sorted.
+const BYTES_PER_KEY: u64 = 16;
+/// Of the tree.
+const BYTES_PER_BOX: u64 = 27;
+
 /// Beams with a tree over them.
 #[derive(Debug)]
 pub struct BeamMap {
@@ -34,6 +39,11 @@ pub struct Piece {
 }
 
 impl BeamMap {
+    /// Bytes that each of the beams takes while their map is built: itself, in a list that has grown to twice its length, and
+    /// its pieces with their keys and the boxes over them.
+    pub const BYTES_PER_BEAM: u64 =
+        2 * size_of::<Beam>() as u64 + PIECES as u64 * (size_of::<Piece>() as u64 + BYTES_PER_KEY + BYTES_PER_BOX);
+
     /// The map of all, which go through these media; the same whatever order they come in.
     pub fn new(mut beams: Vec<Beam>, media: &[Medium]) -> BeamMap {
         beams.sort_by_cached_key(Beam::bits);

@@ -17,6 +17,9 @@ pub struct CollisionMap {
 }
 
 impl CollisionMap {
+    /// Bytes that each of the collisions takes while their map is built: itself, the key by which it is sorted, its box.
+    pub const BYTES_PER_COLLISION: u64 = size_of::<Collision>() as u64 + 16 + 27;
+
     /// `count` collisions on each of the beams, which go through these media; the same whatever order they come in.
     /// `stream` gives each beam its numbers.
     pub fn new(

@@ -53,6 +53,14 @@ impl Share {
         Share { positions: (part / (ratio * ratio)).clamp(1.0 / n, 1.0), directions: part.clamp(1.0 / n, 1.0) }
     }
 
+    /// How many of `n` such cells lie over a place that all of the source lights: n (p B² + d D²)/(B² + D²), where equal parts
+    /// say what B/D is; of a source that is not cut in one of them the other is as wide as all.
+    pub fn overlap(self, n: u64) -> f64 {
+        let Share { positions: p, directions: d } = self;
+        let both = if p < 1.0 && d < 1.0 { 2.0 * p * d / (p + d) } else { p * d };
+        (n as f64 * both).max(1.0)
+    }
+
     /// The cell of a photon whose pass is parted into `count` of fewer photons, which overlap in what they light: wider
     /// than its share of all, and not as wide as one of its part, in as far as it is cut at all.
     pub fn parted(self, count: u64) -> Share {
@@ -132,6 +140,14 @@ mod tests {
             let fill = (share.positions * share.directions * n as f64).sqrt();
             assert!((fill - FILL).abs() < 1e-9 || (fill > FILL && fill < 1.0), "{fill}");
         }
+    }
+
+    /// Of cells in equal parts what [`FULL_OVERLAP`] says; of a source that is not cut in one pair, one.
+    #[test]
+    fn a_share_knows_its_overlap() {
+        assert!((Share::equal_parts(20_000, 0.3).overlap(20_000) - FULL_OVERLAP).abs() < 1e-9);
+        assert_eq!(Share::leading(1000, false).overlap(1000), 1.0);
+        assert_eq!(Share::leading(1000, true).overlap(1000), 1.0);
     }
 
     /// The overlap 2 n d/(B² + D²), in units of D: all of it at first, then [`FULL_OVERLAP`], then as √n.

@@ -10,11 +10,12 @@ use super::unit::{run_units, scattered};
 use super::watch::Stopped;
 use super::{Job, RenderState};
 use crate::estimate::beams::{self, EyeSegment, Place};
-use crate::estimate::collisions;
+use crate::estimate::{bandwidth, collisions};
 use crate::film::{Arrival, LightKind};
 use crate::photon::beam_map::BeamMap;
 use crate::photon::collision_map::CollisionMap;
-use crate::photon::{Beam, Kinds, PhotonCounts};
+use crate::photon::footprint::Spread;
+use crate::photon::{Beam, EmissionPlan, Kinds, PhotonCounts, Population};
 use crate::radiometry::{Radiance, Spectrum};
 use crate::sampling::{Purpose, Stream};
 use crate::scene::settings::{KernelShape, MediaEstimator};
@@ -44,7 +45,7 @@ impl BeamLight {
         let Some(regions) = world.regions.as_ref().filter(|regions| regions.scatter()) else { return Ok(None) };
         let plans = job.beam_plans.get_or_init(|| emission::beam_plan(world, job.plans()));
         let units = photon_map::units(world, plans, pass);
-        let (spread, cells) = (photon_map::spread(world, pass), photon_map::time_cells(world, pass));
+        let (spread, cells) = (spread(world, plans, pass), photon_map::time_cells(world, pass));
         job.watch.phase("beams", units.len() as u64);
         let groups = &world.scene.light_groups;
         let mut all: Vec<Kinds<Vec<Beam>>> = vec![Kinds::default(); groups.ids()];
@@ -109,6 +110,24 @@ impl BeamLight {
             add(LightKind { part, arrival, group }, radiance(map).0);
         }
     }
+}
+
+/// How wide the beams of pass `pass` spread their light: as narrow as a blur along one line allows, where that is what is asked for.
+fn spread(world: &World, plans: &Kinds<Population>, pass: u32) -> Spread {
+    let settings = &world.scene.settings;
+    let spread = photon_map::spread(world, pass);
+    let Spread::Columns { rule, .. } = spread else { return spread };
+    let points: f64 = plans.caustic.plans.iter().map(|plan| plan.points as f64).sum();
+    if settings.media_estimator != MediaEstimator::RayBeams || points == 0.0 {
+        return spread;
+    }
+    let scale = bandwidth::scale(settings.bandwidth, settings.emission, settings.kernel);
+    let of_plan = |plan: &EmissionPlan| {
+        let overlap = plan.share.overlap(plan.points);
+        plan.points as f64 / points * bandwidth::beam_scale(scale, overlap, plan.points)
+    };
+    let scale: f64 = plans.caustic.plans.iter().map(of_plan).sum();
+    Spread::Columns { rule, scale: scale * bandwidth::beam_narrowing(pass) }
 }
 
 /// Ways of one kind of photons in a pass that have numbers of their own.

@@ -64,6 +64,7 @@ const GATHER_WIDTH: f64 = 0.25;
 const WIDEST_GATHER: f64 = 2.5;
 
 /// A path under way.
+#[derive(Clone)]
 struct Walk {
     ray: Ray,
     turn: Turn,
@@ -125,6 +126,19 @@ impl Walk {
     }
 }
 
+/// What the eye has seen on the way so far.
+struct Seen {
+    sample: EyeSample,
+    /// Whether something that scatters was among it.
+    scatters: bool,
+}
+
+/// A way that is still to be followed from an edge on.
+struct Aside {
+    walk: Walk,
+    edge: u32,
+}
+
 impl EyePathTracer<'_> {
     /// Traces one path, the sample of its pixel that `turn` says: it begins with the numbers of `start` and goes on with
     /// those of `stream`. Vertices for the photon map are appended to `queries`.
@@ -136,67 +150,85 @@ impl EyePathTracer<'_> {
         mut stream: Stream,
         queries: &mut Vec<Query>,
     ) -> EyeSample {
-        let walk = &mut Walk::new(camera_ray, start, turn);
+        let mut walk = Walk::new(camera_ray, start, turn);
         if self.world.regions.is_some() {
             walk.inside = self.world.inside(walk.ray.origin, walk.ray.time);
         }
-        let mut sample = EyeSample::of(&self.world.scene.light_groups);
-        let mut seen_scatter = false;
-        for edge in 1..=self.max_depth {
+        let mut seen = Seen { sample: EyeSample::of(&self.world.scene.light_groups), scatters: false };
+        let mut aside = Vec::new();
+        self.follow(walk, 1, &mut stream, &mut seen, queries, &mut aside);
+        while let Some(Aside { walk, edge }) = aside.pop() {
+            self.follow(walk, edge, &mut stream, &mut seen, queries, &mut aside);
+        }
+        seen.sample
+    }
+
+    /// Follows a path from edge `edge` on to its end. What media scatter beside the way that goes on is left to `aside`.
+    fn follow(
+        &self,
+        mut walk: Walk,
+        edge: u32,
+        stream: &mut Stream,
+        seen: &mut Seen,
+        queries: &mut Vec<Query>,
+        aside: &mut Vec<Aside>,
+    ) {
+        let walk = &mut walk;
+        for edge in edge..=self.max_depth {
             let met = match &self.world.regions {
                 None => self.world.intersect(&walk.ray),
-                Some(regions) => match self.fly(regions, walk, &mut stream, &mut sample) {
+                Some(regions) => match self.fly(regions, walk, edge, stream, seen, aside) {
                     Flown::Surface(si) => Some(si),
                     Flown::Escaped => None,
                     Flown::Stopped(at) => {
-                        seen_scatter |= self.see_medium(regions, &at, edge, seen_scatter, &mut sample);
-                        if self.scatter_in_medium(regions, walk, &at, edge, &mut stream, &mut sample) {
+                        seen.medium(regions, &at, edge);
+                        if self.scatter_in_medium(regions, walk, &at, edge, stream, &mut seen.sample) {
                             continue;
                         }
-                        break;
+                        return;
                     }
                 },
             };
+            let sample = &mut seen.sample;
             let Some(si) = met else {
-                self.add_environment(walk, &mut sample);
-                break;
+                self.add_environment(walk, sample);
+                return;
             };
-            if edge == 1 {
+            if edge == 1 && sample.depth.is_none() {
                 sample.depth = Some(si.t);
                 sample.position = si.p.to_vec();
                 sample.met = Some(Met { object: si.object, material: si.material });
             }
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
-            self.add_emission(walk, &si, &mut sample);
+            self.add_emission(walk, &si, sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
             // What a glossy surface sends on to one that scatters is focused.
             if bsdf.is_glossy() && walk.bounces > 0 && self.task.finds.leaves_focused() {
                 if self.task.part.is_none() {
-                    break;
+                    return;
                 }
                 walk.share();
             }
             if bsdf.is_glossy() || bsdf.has_scatter() && walk.bounces <= self.max_bounces {
                 if walk.looks_for_lights_only && !(walk.shared && bsdf.is_glossy()) {
-                    break;
+                    return;
                 }
-                if !seen_scatter {
+                if !seen.scatters {
                     sample.normal = si.ns.to_vec();
                     sample.albedo = bsdf.albedo(si.wo);
                 }
                 if self.task.finds != EyeFinds::Emitters {
-                    self.add_direct_light(walk, &si, &bsdf, &mut stream, &mut sample);
+                    self.add_direct_light(walk, &si, &bsdf, stream, sample);
                 }
                 if self.task.finds.leaves_focused() && !walk.shared {
-                    queries.push(self.query(walk, &si, bsdf, !seen_scatter, &mut stream));
+                    queries.push(self.query(walk, &si, bsdf, !seen.scatters, stream));
                 }
-                seen_scatter = true;
+                seen.scatters = true;
             }
-            if !self.advance(walk, &si, &bsdf, edge, &mut stream) {
-                break;
+            if !self.advance(walk, &si, &bsdf, edge, stream) {
+                return;
             }
         }
-        sample
     }
 
     /// Samples the next direction; false where the path ends.

@@ -175,10 +175,9 @@ fn trace_with<const N: usize, const T: usize>(world: &World, unit: &Unit, spread
     Traced { stored, beams, counts }
 }
 
-/// How many photons pass `pass` stores, from about `some` units of it, spread over all.
-pub fn stored_about(world: &World, pass: u32, some: usize) -> u64 {
-    let plans = emission::plan(world);
-    let units = units(world, &plans, pass);
+/// How many photons, or beams, pass `pass` stores of what is sent by plan, from about `some` units of it, spread over all.
+pub fn stored_about(world: &World, plans: &Kinds<Population>, pass: u32, some: usize) -> u64 {
+    let units = units(world, plans, pass);
     let step = units.len().div_ceil(some.max(1)).max(1);
     let (spread, cells) = (spread(world, pass), time_cells(world, pass));
     let stored = |unit: &Unit| trace_unit(world, unit, spread, cells).counts.photons_stored;

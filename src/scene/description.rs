@@ -162,6 +162,19 @@ pub enum MaterialModel {
     Interface,
 }
 
+impl MaterialModel {
+    /// Whether light gets into its objects.
+    pub fn has_inside(&self) -> bool {
+        matches!(
+            self,
+            MaterialModel::Dielectric { .. }
+                | MaterialModel::RoughDielectric { .. }
+                | MaterialModel::Principled { .. }
+                | MaterialModel::Interface
+        )
+    }
+}
+
 /// Image `texture` (an index into the description's textures) that bends shading normals; slopes are multiplied by `scale`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMapDescription {

@@ -119,8 +119,10 @@ impl World {
     /// What a point at `time` is inside of: the objects that a ray from it upwards, as the camera has it, leaves without
     /// having entered them. An open surface bounds a medium as far as such rays meet it.
     pub fn inside(&self, p: Point3, time: f64) -> Inside {
-        let Some(regions) = self.regions.as_ref().filter(|regions| regions.may_hold(p)) else { return Inside::NOTHING };
         let up = Dir3::new(self.scene.camera.up).unwrap_or(Dir3::Z);
+        let Some(regions) = self.regions.as_ref().filter(|regions| regions.may_hold(p, up)) else {
+            return Inside::NOTHING;
+        };
         let mut left = Vec::new();
         let mut entered = Vec::new();
         let mut ray = Ray::new(p, up).at_time(time);

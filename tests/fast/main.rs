@@ -39,6 +39,7 @@ mod chi2_support;
 mod panorama;
 mod parts;
 mod pbrt;
+mod pbrt_media;
 mod shape_derivatives;
 mod shape_intersect;
 mod shape_sampling;

@@ -106,6 +106,21 @@ fn a_point_knows_what_it_is_inside_of() {
     assert!(both[0] == 0 && both.len() == 3 && both.contains(&2) && both.contains(&3), "{both:?}");
 }
 
+/// An open surface, a pool's, has its inside under it as far as it goes, and nothing beside and above it.
+#[test]
+fn a_point_is_inside_of_the_open_surface_above_it() {
+    let pool = "format = 1\n[camera]\ntype = \"perspective\"\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\n\
+        fov_degrees = 40\nresolution = [4, 4]\n\
+        [media.water]\nsigma_s = 0.1\n[materials.water]\ntype = \"dielectric\"\nior = 1.3\ninterior = \"water\"\n\
+        [[objects]]\nshape = \"height_field\"\ncentre = [0, 0, 0]\nhalf_size = [2, 2]\nup = [0, 1, 0]\nx_axis = [1, 0, 0]\n\
+        material = \"water\"\nwaves = [{ amplitude = 0.1, wave_vector = [3, 1], phase = 0 }]\n\
+        [[lights]]\ntype = \"point\"\nposition = [0, 3, 0]\nintensity = 1\n";
+    let world = world(pool);
+    let inside = |x, y| world.inside(Point3::new(x, y, 0.0), 0.0).objects().count();
+    assert_eq!([inside(0.3, -1.0), inside(-1.9, -7.0)], [1, 1]);
+    assert_eq!([inside(0.3, 1.0), inside(2.1, -1.0), inside(-5.0, -5.0)], [0, 0, 0]);
+}
+
 /// Along x at y = −1: haze, smoke to the ink, ink to the milk, milk, smoke again. −ln T is the sum of σ_t times lengths; each
 /// crossing starts the ray anew, off the surface by `origin_offset` at most twice.
 #[test]

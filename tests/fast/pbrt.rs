@@ -318,8 +318,6 @@ fn what_is_wrong_is_named_with_its_place() {
         ("WorldBegin Shape \"cone\"", "the shape \"cone\" cannot be rendered"),
         ("WorldBegin LightSource \"goniometric\"", "the light \"goniometric\" cannot be rendered"),
         ("WorldBegin LightSource \"projection\"", "the light \"projection\" cannot be rendered"),
-        ("MakeNamedMedium \"m\" \"string type\" \"homogeneous\"", "MakeNamedMedium: media cannot be rendered"),
-        ("MediumInterface \"m\" \"\"", "MediumInterface: media cannot be rendered"),
         ("WorldBegin Material \"hair\" Shape \"sphere\"", "the material \"hair\" cannot be rendered"),
         ("WorldBegin NamedMaterial \"a\" Shape \"sphere\"", "there is no material \"a\""),
         (

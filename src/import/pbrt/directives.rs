@@ -192,7 +192,8 @@ impl Reading<'_> {
             }
             "Shape" | "LightSource" | "AreaLightSource" | "Material" | "MakeNamedMaterial" | "NamedMaterial"
             | "Texture" => self.content(d),
-            "MakeNamedMedium" | "MediumInterface" | "ActiveTransform" | "TransformTimes" => self.refused(d),
+            "MakeNamedMedium" | "MediumInterface" => self.medium(d),
+            "ActiveTransform" | "TransformTimes" => self.refused(d),
             "Include" | "Import" => self.include(d, depth),
             other => {
                 let help = match nearest(other, &DIRECTIVES) {

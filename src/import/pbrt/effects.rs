@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3};
 use super::directive::{Directive, Trouble};
 use super::lights;
 use super::materials::{Chosen, Written};
+use super::media::Interface;
 use super::parameters::{Parameters, shortened, unsupported};
 use super::placing;
 use super::reading::Reading;
@@ -77,6 +78,10 @@ impl Reading<'_> {
         let (name, ps) = d.named(&self.state, None)?;
         let done = match d.name {
             "Camera" => {
+                if self.state.interface.as_ref().is_some_and(|interface| !interface.outside.is_empty()) {
+                    let help = "leave its MediumInterface out, or say `atmosphere` in a TOML scene that includes this";
+                    self.report(ps.cannot("a medium around the camera cannot be rendered", help));
+                }
                 self.systems.insert("camera".to_owned(), self.state.matrix.inverse());
                 self.film.camera(&name, &ps, self.state.matrix, &mut self.ignored)
             }
@@ -156,29 +161,28 @@ impl Reading<'_> {
         self.settle(done, &ps)
     }
 
+    /// What fills shapes.
+    pub fn medium(&mut self, d: &mut Directive<'_, '_>) -> Result<(), Trouble> {
+        if d.name == "MakeNamedMedium" {
+            let (name, ps) = d.named(&self.state, Some(Target::Medium))?;
+            return Ok(self.media.define(name, ps, self.state.matrix)?);
+        }
+        let inside = d.text()?;
+        let outside = d.optional_text()?.unwrap_or_else(|| inside.clone());
+        let is_vacuum = inside.is_empty() && outside.is_empty();
+        let source = d.source();
+        self.state.interface = (!is_vacuum).then(|| Rc::new(Interface { inside, outside, source }));
+        Ok(())
+    }
+
     /// What is understood and cannot be rendered.
     pub fn refused(&mut self, d: &mut Directive<'_, '_>) -> Result<(), Trouble> {
-        let (what, help) = match d.name {
-            "MakeNamedMedium" | "MediumInterface" => ("media cannot be rendered", "leave them out"),
-            _ => (
-                "transforms that change with time cannot be rendered",
-                "leave them out, or use `motion` in a TOML scene",
-            ),
-        };
         match d.name {
-            "MakeNamedMedium" => drop(d.named(&self.state, Some(Target::Medium))?),
             "ActiveTransform" => drop(d.word()?),
-            "TransformTimes" => drop(d.numbers::<2>()?),
-            _ => {
-                let inside = d.text()?;
-                let outside = d.optional_text()?.unwrap_or_default();
-                // Vacuum on both sides.
-                if inside.is_empty() && outside.is_empty() {
-                    return Ok(());
-                }
-            }
+            _ => drop(d.numbers::<2>()?),
         }
-        Err(unsupported(d.problem(format!("{}: {what}", d.name), help)).into())
+        let message = format!("{}: transforms that change with time cannot be rendered", d.name);
+        Err(unsupported(d.problem(message, "leave them out, or use `motion` in a TOML scene")).into())
     }
 
     /// Reports what failed, or parameters that nobody knows.

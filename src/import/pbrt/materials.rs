@@ -9,8 +9,8 @@ use super::spectra;
 use super::textures::{Textures, Value};
 use crate::import::ignored::Ignored;
 use crate::import::names::Names;
-use crate::scene::description::{MaterialDescription, MaterialModel, Parameter};
-use crate::scene::error::Problem;
+use crate::scene::description::{InteriorDescription, MaterialDescription, MaterialModel, Parameter, Reference};
+use crate::scene::error::{Problem, Source};
 use crate::scene::metal::Metal;
 use crate::scene::spelling::nearest;
 
@@ -59,6 +59,8 @@ pub(super) struct Materials {
     known: HashMap<usize, (Rc<Written>, Option<Surface>)>,
     /// Of those that are turned inside out.
     reversed: HashMap<String, String>,
+    /// Of those that are around a medium, or around nothing.
+    filled: HashMap<(String, Option<String>), String>,
 }
 
 /// What making models needs.
@@ -91,6 +93,7 @@ impl Materials {
             described: Vec::new(),
             known: HashMap::new(),
             reversed: HashMap::new(),
+            filled: HashMap::new(),
         }
     }
 
@@ -104,6 +107,32 @@ impl Materials {
         self.names.unique(&name);
         self.written.insert(name, Rc::new(written));
         Ok(())
+    }
+
+    /// The same surface around `inside`, or nothing but the boundary of that; one that no light gets into is as it was.
+    pub fn filled(&mut self, surface: &Surface, inside: &Option<Reference>, at: &Source) -> Surface {
+        let interior = Some(InteriorDescription { medium: inside.clone(), priority: 0 });
+        let filler = inside.as_ref().map_or("nothing", |medium| &medium.name);
+        let (known, material) = match surface {
+            Surface::Material(name) => (name.as_str(), self.described.iter().find(|m| m.name == *name).cloned()),
+            Surface::Nothing if inside.is_none() => return Surface::Nothing,
+            Surface::Nothing => {
+                let (name, source) = ("interface".to_owned(), at.clone());
+                (
+                    "interface",
+                    Some(MaterialDescription { name, source, model: MaterialModel::Interface, interior: None }),
+                )
+            }
+        };
+        let Some(material) = material.filter(|material| material.model.has_inside()) else { return surface.clone() };
+        let key = (known.to_owned(), inside.as_ref().map(|medium| medium.name.clone()));
+        if let Some(known) = self.filled.get(&key) {
+            return Surface::Material(known.clone());
+        }
+        let name = self.names.unique(&format!("{known} around {filler}"));
+        self.described.push(MaterialDescription { name: name.clone(), interior, ..material });
+        self.filled.insert(key, name.clone());
+        Surface::Material(name)
     }
 
     /// The surface of what an object refers to; `None` for one whose problem was reported.

@@ -13,6 +13,7 @@ mod lexer;
 mod lights;
 mod loop_subdivision;
 mod materials;
+mod media;
 mod meshes;
 mod parameters;
 mod placing;

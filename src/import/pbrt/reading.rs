@@ -10,7 +10,8 @@ use super::budget::Budget;
 use super::film::Film;
 use super::lights;
 use super::materials::{Chosen, Context, Materials, Surface, Written};
-use super::parameters::{Parameters, shortened};
+use super::media::{Interface, Media};
+use super::parameters::{Parameters, shortened, unsupported};
 use super::placing;
 use super::shapes::Shapes;
 use super::state::{Kept, State};
@@ -33,6 +34,7 @@ struct Placed {
     /// Whether it faces the other way; a mesh or disk was turned already.
     reversed: bool,
     material: Chosen,
+    interface: Option<Rc<Interface>>,
     emission: Option<Emission>,
 }
 
@@ -56,6 +58,7 @@ pub(super) struct Reading<'a> {
     pub film: Film,
     pub textures: Textures<'a>,
     pub materials: Materials,
+    pub media: Media,
     shapes: Shapes<'a>,
     placed: Vec<Placed>,
     pub lights: Vec<LightDescription>,
@@ -86,6 +89,7 @@ impl<'a> Reading<'a> {
             film: Film::new(source),
             textures: Textures::new(folder),
             materials: Materials::new(),
+            media: Media::default(),
             shapes: Shapes::new(folder),
             placed: Vec::new(),
             lights: Vec::new(),
@@ -128,6 +132,10 @@ impl<'a> Reading<'a> {
             let message = format!("a {kind} that sends light inwards cannot be rendered");
             self.report(ps.cannot(message, "leave out ReverseOrientation, or make it a mesh"));
         }
+        if reversed && self.state.interface.is_some() {
+            let message = format!("a {kind} that is turned inside out cannot be the boundary of a medium");
+            self.report(ps.cannot(message, "leave out ReverseOrientation"));
+        }
         let placed = Placed {
             label: kind.to_owned(),
             source: ps.source.clone(),
@@ -135,6 +143,7 @@ impl<'a> Reading<'a> {
             to_world,
             reversed: reversed && !turned,
             material: self.state.material.clone(),
+            interface: self.state.interface.clone(),
             emission,
         };
         self.budget.spend(1, size_of::<Placed>() + size_of::<ObjectDescription>(), &ps.source)?;
@@ -199,6 +208,15 @@ impl<'a> Reading<'a> {
             let name = format!("{} {number}", item.label);
             objects.extend(self.object(item, name));
         }
+        let (media, problems) = self.media.describe(&self.film.to_ours(), self.folder, &mut self.budget);
+        problems.into_iter().for_each(|problem| self.report(problem));
+        let help = "say `atmosphere` in a TOML scene that includes this";
+        let around = |(name, source): (&str, &Source)| {
+            let message = format!("the medium \"{}\" around shapes cannot be rendered: it fills none", shortened(name));
+            unsupported(Problem::new(message).help(help).at(source))
+        };
+        let missing: Vec<Problem> = self.media.missing().into_iter().map(around).collect();
+        missing.into_iter().for_each(|problem| self.report(problem));
         let camera = self.film.describe();
         let camera = camera.map_err(|problem| self.problems.push(problem)).ok();
         let (Some(camera), true) = (camera, self.problems.is_empty()) else {
@@ -213,7 +231,7 @@ impl<'a> Reading<'a> {
             settings: self.film.settings,
             materials: self.materials.described,
             textures: self.textures.described,
-            media: Vec::new(),
+            media,
             meshes: self.shapes.meshes,
             objects,
             lights: self.lights,
@@ -236,7 +254,12 @@ impl<'a> Reading<'a> {
         let surface = self.materials.surface(&item.material, &mut context);
         self.problems.extend(problems);
         refused.into_iter().for_each(|problem| self.report(problem));
-        let Surface::Material(mut material) = surface? else { return None };
+        let mut surface = surface?;
+        let inside = self.media.inside(item.interface.as_ref());
+        if let Some(inside) = inside.map_err(|problem| self.problems.push(problem)).ok()? {
+            surface = self.materials.filled(&surface, &inside, &item.source);
+        }
+        let Surface::Material(mut material) = surface else { return None };
         if item.reversed {
             material = self.materials.inside_out(&material);
         }

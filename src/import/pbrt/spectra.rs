@@ -141,6 +141,11 @@ pub(super) fn light(parameter: &Parameter, folder: &Path) -> Result<[f64; 3], Pr
     rgb.ok_or_else(|| parameter.problem(format!("`{}` has no visible light", parameter.name), "is it all 0?"))
 }
 
+/// A medium's coefficient: RGB is taken as it is, of pairs the means over the thirds of the visible band.
+pub(super) fn coefficient(parameter: &Parameter, folder: &Path) -> Result<[f64; 3], Problem> {
+    if parameter.kind == "rgb" { light(parameter, folder) } else { metal_index(parameter, folder) }
+}
+
 /// η or k of a metal in each third of the visible band, as `scene::metal` takes them.
 pub(super) fn metal_index(parameter: &Parameter, folder: &Path) -> Result<[f64; 3], Problem> {
     const NAMES: [(&str, Metal, bool); 8] = [

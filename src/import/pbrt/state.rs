@@ -5,6 +5,7 @@ use std::rc::Rc;
 use glam::DMat4;
 
 use super::materials::Chosen;
+use super::media::Interface;
 use super::parameters::{Parameter, Parameters};
 use crate::scene::error::{Problem, Source};
 
@@ -36,13 +37,22 @@ pub(super) struct State {
     pub material: Chosen,
     /// `AreaLightSource`.
     pub lamp: Option<Rc<Parameters>>,
+    /// `MediumInterface`, where it names a medium.
+    pub interface: Option<Rc<Interface>>,
     /// One list for each target.
     defaults: Rc<[Vec<Rc<Parameter>>; 5]>,
 }
 
 impl State {
     pub fn new(material: Chosen) -> State {
-        State { matrix: DMat4::IDENTITY, reversed: false, material, lamp: None, defaults: Rc::default() }
+        State {
+            matrix: DMat4::IDENTITY,
+            reversed: false,
+            material,
+            lamp: None,
+            interface: None,
+            defaults: Rc::default(),
+        }
     }
     pub fn defaults(&self, target: Target) -> Vec<Rc<Parameter>> {
         self.defaults[target as usize].clone()
