@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use super::{EyePathTracer, Walk, survives_roulette};
 use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
+use crate::light::Receiver;
 use crate::math::Ray;
 use crate::medium::{HenyeyGreenstein, Regions, Way};
 use crate::radiometry::measure::power_heuristic;
@@ -122,7 +123,7 @@ impl EyePathTracer<'_> {
         walk.looks_for_lights_only = self.task.finds.leaves_scattered(walk.bounces);
         walk.bounces += 1;
         walk.chain = 0;
-        walk.scattered = Some((at.p, pdf));
+        walk.scattered = Some((Receiver { p: at.p, n: None }, pdf));
         walk.differential = self.gathered_over(wi, pdf);
         if !survives_roulette(walk, edge, stream) {
             return false;
@@ -142,7 +143,7 @@ impl EyePathTracer<'_> {
         sample: &mut EyeSample,
     ) {
         let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let Some(choice) = self.world.lights.pick(&Receiver { p: at.p, n: None }, choice) else { return };
         let Some(found) = self.world.lights.get(choice.light).sample_li(at.p, u) else { return };
         if found.weight.is_zero() {
             return;
