@@ -4,7 +4,7 @@
 //! Where photons own a class of light ([`super::partition`]), the path ends instead of going on to it: at the first delta
 //! event behind a scattering vertex, or at the next surface that scatters; over delta events and glossy surfaces it looks on
 //! for lights whose caustics are partly its own. It drops nothing else: E S* L stays its own, and shadow rays never cross a
-//! delta lobe.
+//! delta lobe. Light that an object would focus which is to cast no caustics is nobody's.
 
 mod medium;
 
@@ -170,7 +170,11 @@ impl EyePathTracer<'_> {
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
             self.add_emission(walk, &si, &mut sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
+            let caustics = self.world.scene.objects[si.object.index()].caustics;
             // What a glossy surface sends on to one that scatters is focused.
+            if bsdf.is_glossy() && walk.bounces > 0 && !caustics.cast {
+                break;
+            }
             if bsdf.is_glossy() && walk.bounces > 0 && self.task.finds.leaves_focused() {
                 if self.task.part.is_none() {
                     break;
@@ -184,6 +188,7 @@ impl EyePathTracer<'_> {
                 if !seen_scatter {
                     sample.normal = si.ns.to_vec();
                     sample.albedo = bsdf.albedo(si.wo);
+                    sample.without_caustics = !caustics.receive;
                 }
                 if self.task.finds != EyeFinds::Emitters {
                     self.add_direct_light(walk, &si, &bsdf, &mut stream, &mut sample);
@@ -222,6 +227,10 @@ impl EyePathTracer<'_> {
                 walk.differential = self.gathered_over(next.wi, pdf);
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
+                let casts = self.world.scene.objects[si.object.index()].caustics.cast;
+                if walk.scattered.is_some() && !casts {
+                    return false;
+                }
                 if walk.scattered.is_some() && self.task.finds.leaves_focused() {
                     if self.task.part.is_none() {
                         return false;
