@@ -94,6 +94,8 @@ pub struct EyeSample {
     pub albedo: Spectrum,
     /// Photons per m² at that vertex.
     pub photon_density: f64,
+    /// Whether caustics are left out, as that vertex's object says.
+    pub without_caustics: bool,
 }
 
 impl EyeSample {
@@ -103,8 +105,11 @@ impl EyeSample {
         EyeSample { by_group: vec![Default::default(); kept], ..EyeSample::default() }
     }
 
-    /// Adds light, W/(m²·sr).
+    /// Adds light, W/(m²·sr), but for what is left out.
     pub fn add(&mut self, kind: LightKind, light: Spectrum) {
+        if self.without_caustics && kind.part == Part::Caustic {
+            return;
+        }
         let part = match kind.part {
             Part::Direct => &mut self.direct,
             Part::Caustic => &mut self.caustic,

@@ -1,14 +1,13 @@
 //! The lights of a scene, ready to emit.
 
 use super::motion::LightMotion;
-use super::select::pick_weights;
+use super::select::Picks;
 use super::{
     Aim, AreaLight, DirectionalLight, Emission, EnvironmentLight, Light, LightSample, PanoramaLight, PointLight,
     SceneSphere, SpotLight,
 };
 use crate::math::{Dir3, Normal3, Point3};
 use crate::radiometry::{Intensity, Irradiance, Pdf, Radiance, SolidAngle};
-use crate::sampling::discrete::DiscreteTable;
 use crate::scene::light::BeamExtent;
 use crate::scene::{LightId, LightSource, ObjectGeometry, ObjectId, Scene};
 
@@ -35,7 +34,7 @@ pub struct Lights {
     /// Of those that move; empty if none does.
     motions: Vec<Option<LightMotion>>,
     /// What shadow rays choose from.
-    pub(super) picks: Option<DiscreteTable>,
+    pub(super) picks: Option<Picks>,
     environments: Vec<LightId>,
     scene: SceneSphere,
 }
@@ -59,13 +58,10 @@ impl Lights {
             .filter(|&i| matches!(scene.lights[i], LightSource::Environment { .. } | LightSource::Panorama(_)))
             .map(|i| LightId(i as u32))
             .collect();
-        Ok(Lights {
-            lights,
-            motions: motions(scene, sphere),
-            picks: DiscreteTable::new(&pick_weights(&powers)),
-            environments,
-            scene: sphere,
-        })
+        let motions = motions(scene, sphere);
+        let stands = |light: LightId| motions.get(light.index()).is_none_or(Option::is_none);
+        let picks = Picks::new(&powers, |light| lights[light.index()].bounds().filter(|_| stands(light)));
+        Ok(Lights { lights, motions, picks, environments, scene: sphere })
     }
 
     pub fn len(&self) -> usize {

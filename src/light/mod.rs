@@ -6,6 +6,7 @@
 mod aim;
 mod area;
 mod assemble;
+mod bounds;
 mod directional;
 mod environment;
 mod motion;
@@ -13,16 +14,19 @@ mod panorama;
 mod point;
 pub mod select;
 mod spot;
+mod tree;
 
 pub use aim::Directions;
 pub use area::AreaLight;
 pub use assemble::{LightError, Lights};
+pub use bounds::{LightBounds, NormalCone, Receiver};
 pub use directional::DirectionalLight;
 pub use environment::EnvironmentLight;
 pub use panorama::PanoramaLight;
 pub use point::PointLight;
 pub use select::LightChoice;
 pub use spot::SpotLight;
+pub use tree::LightTree;
 
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Normal3, Point3, Vec3, float};
@@ -123,6 +127,11 @@ pub trait Light: Send + Sync + std::fmt::Debug {
     /// Density with which [`Light::sample_li`] finds the direction `wi` into the environment.
     fn environment_pdf(&self, _wi: Dir3) -> Pdf<SolidAngle> {
         Pdf::ZERO
+    }
+
+    /// Where it is and whither it sends; `None` for light from infinitely far away.
+    fn bounds(&self) -> Option<LightBounds> {
+        None
     }
 
     /// How much longer a step in the first coordinate of the leading pair (positions if collimated, else directions) is

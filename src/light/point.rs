@@ -1,9 +1,9 @@
 //! The isotropic point source · W/sr · columns: no position, directions of the sphere's or the aim's map.
 
 use super::aim::{self, Directions};
-use super::{Aim, Emission, Light, LightSample, direction_columns};
+use super::{Aim, Emission, Light, LightBounds, LightSample, NormalCone, direction_columns};
 use crate::differential::Column;
-use crate::math::{Dir3, Normal3, Point3, Vec3};
+use crate::math::{Bounds3, Dir3, Normal3, Point3, Vec3};
 use crate::radiometry::{Flux, Intensity, Pdf, Radiance, SolidAngle};
 
 /// The same intensity in all directions.
@@ -56,6 +56,12 @@ impl Light for PointLight {
 
     fn pdf_li(&self, _: Point3, _: Dir3, _: Point3, _: Normal3) -> Pdf<SolidAngle> {
         Pdf::ZERO
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        let bounds = Bounds3::EMPTY.including(self.position);
+        let power = self.power().0.luminance();
+        Some(LightBounds { bounds, normals: NormalCone::SPHERE, reach: 0.0, power, two_sided: false })
     }
 
     fn is_delta(&self) -> bool {

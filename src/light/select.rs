@@ -1,8 +1,14 @@
 //! Which light: how many photons each emits, which one a surface point looks at.
 
+use super::bounds::{LightBounds, Receiver};
+use super::tree::LightTree;
 use super::{Aim, Lights};
 use crate::radiometry::Pmf;
+use crate::sampling::discrete::DiscreteTable;
 use crate::scene::LightId;
+
+/// So many lights that stand somewhere are chosen from a table; of more, each point looks at those near it.
+const MOST_IN_TABLE: usize = 4;
 
 /// A light chosen for next-event estimation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,21 +29,83 @@ impl Lights {
         allot(n, &shares)
     }
 
-    /// A light with a probability in proportion to its `pick_weights`; `None` if all are dark.
-    pub fn pick(&self, u: f64) -> Option<LightChoice> {
-        let s = self.picks.as_ref()?.sample(u);
-        Some(LightChoice { light: LightId(s.index as u32), pmf: s.pmf, reused: s.reused })
+    /// A light for shadow rays from a point: of few by their `pick_weights`, of many by what may arrive from each. `None` if
+    /// all are dark.
+    pub fn pick(&self, at: &Receiver, u: f64) -> Option<LightChoice> {
+        Some(self.picks.as_ref()?.pick(at, u))
+    }
+
+    /// A light by its `pick_weights`, wherever its light is wanted; `None` if all are dark.
+    pub fn pick_anywhere(&self, u: f64) -> Option<LightChoice> {
+        Some(self.picks.as_ref()?.pick_from_table(u))
     }
 
     /// The probability with which [`Lights::pick`] chooses `light`.
-    pub fn pick_pmf(&self, light: LightId) -> Pmf {
-        self.picks.as_ref().map_or(Pmf(0.0), |table| table.pmf(light.index()))
+    pub fn pick_pmf(&self, at: &Receiver, light: LightId) -> Pmf {
+        self.picks.as_ref().map_or(Pmf(0.0), |picks| picks.pmf(at, light))
+    }
+}
+
+/// What shadow rays choose from.
+#[derive(Clone, Debug)]
+pub(super) struct Picks {
+    table: DiscreteTable,
+    /// Where there are many.
+    many: Option<Many>,
+}
+
+/// Lights in a tree, and evenly beside it each one without a place: infinitely far away, or moving.
+#[derive(Clone, Debug)]
+struct Many {
+    tree: LightTree,
+    others: Vec<LightId>,
+}
+
+impl Picks {
+    /// Of lights with so much power, W, and their bounds, where they have any; `None` if all are dark.
+    pub fn new(powers: &[f64], bounds: impl Fn(LightId) -> Option<LightBounds>) -> Option<Picks> {
+        let table = DiscreteTable::new(&pick_weights(powers))?;
+        let (mut placed, mut others) = (Vec::new(), Vec::new());
+        for (light, _) in (0..).map(LightId).zip(powers).filter(|&(_, &power)| power > 0.0) {
+            match bounds(light) {
+                Some(bounds) => placed.push((light, bounds)),
+                None => others.push(light),
+            }
+        }
+        let is_many = placed.len() > MOST_IN_TABLE;
+        let many = LightTree::new(placed).filter(|_| is_many).map(|tree| Many { tree, others });
+        Some(Picks { table, many })
+    }
+
+    fn pick_from_table(&self, u: f64) -> LightChoice {
+        let s = self.table.sample(u);
+        LightChoice { light: LightId(s.index as u32), pmf: s.pmf, reused: s.reused }
+    }
+
+    fn pick(&self, at: &Receiver, u: f64) -> LightChoice {
+        let Some(Many { tree, others }) = &self.many else { return self.pick_from_table(u) };
+        let shares = (others.len() + 1) as f64;
+        let share = (u * shares) as usize;
+        let reused = u * shares - share as f64;
+        match others.get(share) {
+            Some(&light) => LightChoice { light, pmf: Pmf(1.0 / shares), reused },
+            None => {
+                let choice = tree.pick(at, reused);
+                LightChoice { pmf: Pmf(choice.pmf.0 / shares), ..choice }
+            }
+        }
+    }
+
+    fn pmf(&self, at: &Receiver, light: LightId) -> Pmf {
+        let Some(Many { tree, others }) = &self.many else { return self.table.pmf(light.index()) };
+        let own = if others.contains(&light) { 1.0 } else { tree.pmf(at, light).0 };
+        Pmf(own / (others.len() + 1) as f64)
     }
 }
 
 /// How often shadow rays should look at each light: half by power, half evenly among all that shine. By power alone a
 /// spot that lights what the camera sees is hardly looked at beside a sky that lights the whole scene.
-pub(super) fn pick_weights(powers: &[f64]) -> Vec<f64> {
+fn pick_weights(powers: &[f64]) -> Vec<f64> {
     let total: f64 = powers.iter().sum();
     let shining = powers.iter().filter(|&&power| power > 0.0).count() as f64;
     let weight = |&power: &f64| if power > 0.0 { 0.5 * power / total + 0.5 / shining } else { 0.0 };

@@ -3,9 +3,9 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::aim::{self, Cone, Directions};
-use super::{Aim, Emission, Light, LightSample, direction_columns};
+use super::{Aim, Emission, Light, LightBounds, LightSample, NormalCone, direction_columns};
 use crate::differential::Column;
-use crate::math::{Dir3, Frame, Normal3, Point3, Vec3};
+use crate::math::{Bounds3, Dir3, Frame, Normal3, Point3, Vec3};
 use crate::radiometry::{Flux, Intensity, Pdf, Radiance, SolidAngle};
 use crate::sampling::warp::UniformCone;
 
@@ -167,6 +167,19 @@ impl Light for SpotLight {
 
     fn pdf_li(&self, _: Point3, _: Dir3, _: Point3, _: Normal3) -> Pdf<SolidAngle> {
         Pdf::ZERO
+    }
+
+    /// As if the inner cone were normals, and the rim the directions about them; its power is that of a point without a cone,
+    /// since it is the intensity that arrives.
+    fn bounds(&self) -> Option<LightBounds> {
+        let [inner, outer] = [self.cos_inner, self.cos_outer].map(f64::acos);
+        Some(LightBounds {
+            bounds: Bounds3::EMPTY.including(self.position),
+            normals: NormalCone { axis: Dir3::from_unit(self.cone.frame.n), spread: inner },
+            reach: outer - inner,
+            power: 4.0 * PI * self.intensity.0.luminance(),
+            two_sided: false,
+        })
     }
 
     fn is_delta(&self) -> bool {

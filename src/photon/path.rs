@@ -43,6 +43,9 @@ pub struct PhotonCounts {
     /// Met an object of another group than they were aimed at first: light that the other group's photons bring.
     #[serde(default)]
     pub other_group: u64,
+    /// Met a mirror, a glass or a glossy surface of an object that is to cast no caustics; what would go on is left out.
+    #[serde(default)]
+    pub not_cast: u64,
     /// Went on from a surface that scatters.
     pub bounced: u64,
     /// Left the scene.
@@ -74,6 +77,7 @@ impl PhotonCounts {
         self.edge_images += other.edge_images;
         self.direct += other.direct;
         self.other_group += other.other_group;
+        self.not_cast += other.not_cast;
         self.bounced += other.bounced;
         self.escaped += other.escaped;
         self.absorbed += other.absorbed;

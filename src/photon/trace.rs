@@ -210,8 +210,10 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             self.store(&si, branch, kind);
         }
         let may = |event| branch.edge > 1 || self.first_event == event;
-        let [scatters, glances] =
-            [bsdf.has_delta(), bsdf.is_glossy()].map(|has_lobe| has_lobe && may(FirstEvent::Delta));
+        let focuses = [bsdf.has_delta(), bsdf.is_glossy()].map(|has_lobe| has_lobe && may(FirstEvent::Delta));
+        let casts = world.scene.objects[si.object.index()].caustics.cast;
+        self.counts.not_cast += u64::from(!casts && focuses != [false; 2]);
+        let [scatters, glances] = focuses.map(|focuses| focuses && casts);
         let bounces = self
             .bounces
             .filter(|bounces| bsdf.is_diffuse() && may(FirstEvent::Scatter) && branch.bounces < bounces.max);

@@ -12,7 +12,7 @@ use super::watch::Unattended;
 use crate::backend::crosscheck::{Crosscheck, Query, RayKind, Report};
 use crate::backend::{Backend, Geometry, build_over};
 use crate::camera::Camera;
-use crate::light::{Aim, Emission};
+use crate::light::{Aim, Emission, Receiver};
 use crate::math::{Point2, Ray};
 use crate::sampling::warp::{ConcentricDisk, Warp};
 use crate::sampling::{Purpose, Stream};
@@ -99,7 +99,7 @@ impl Paths<'_> {
     }
 
     fn light_path(&mut self) {
-        let Some(choice) = self.world.lights.pick(self.stream.uniform()) else { return };
+        let Some(choice) = self.world.lights.pick_anywhere(self.stream.uniform()) else { return };
         let ([u, v], [theta, phi]) = (self.stream.uniform2(), self.stream.uniform2());
         let time = self.world.draw_time(&mut self.stream);
         let emission = self.world.lights.emit(choice.light, [u, v, theta, phi], &Aim::Everywhere, time);
@@ -123,7 +123,8 @@ impl Paths<'_> {
     }
 
     fn look_at_a_light(&mut self, si: &Interaction) {
-        let Some(choice) = self.world.lights.pick(self.stream.uniform()) else { return };
+        let at = Receiver { p: si.p, n: Some(si.ns) };
+        let Some(choice) = self.world.lights.pick(&at, self.stream.uniform()) else { return };
         let u = self.stream.uniform2();
         let Some(sample) = self.world.lights.sample_li(choice.light, si.p, u, si.time) else { return };
         let ray = World::shadow_ray(si, sample.wi, sample.distance);

@@ -14,8 +14,8 @@ use crate::photon::survey::Survey;
 use crate::photon::{
     Bounces, EmissionPlan, EmissionUnit, FirstEvent, Kinds, PathLimits, PhotonTracer, Population, Share, Target,
 };
-use crate::scene::LightId;
 use crate::scene::settings::{BounceFootprint, Estimator, FootprintRule, Guiding};
+use crate::scene::{LightId, PhotonChoice};
 use crate::world::{Casters, World};
 
 /// Units that say how many of a population's photons are of use, and photons in each.
@@ -146,12 +146,12 @@ fn plans(
     let towards = |target| world.lights.iter().map(move |(light, source)| (light, source, target));
     let all: Vec<(LightId, &dyn Light, &Target)> = targets.iter().flat_map(towards).collect();
     let sent: Vec<f64> = all.iter().map(|(_, source, to)| source.emitted_flux(&to.aim).0.luminance()).collect();
-    let due = select::allot(n, &sent);
+    let due = share_out(world, n, kind, &all, &sent);
     let found: Vec<Found> =
         all.iter().zip(&due).map(|(&(light, _, target), &n)| learn(world, light, kind, target, n)).collect();
     let worth: Vec<f64> = found.iter().zip(&due).map(|(found, &n)| found.worth() * n as f64).collect();
     let mut plans = Vec::new();
-    for ((&(light, _, target), found), n) in all.iter().zip(found).zip(select::allot(n, &worth)) {
+    for ((&(light, _, target), found), n) in all.iter().zip(found).zip(share_out(world, n, kind, &all, &worth)) {
         if n > 0 {
             let (points, guide) = found.fill(n);
             let (share, guide) = (share(light, target, points), guide.map(Arc::new));
@@ -159,6 +159,35 @@ fn plans(
         }
     }
     plans
+}
+
+/// Splits `n` photons in proportion to what lights are worth towards their targets; of those for caustics some lights may
+/// have none, or a number of their own, to be split among their own targets.
+fn share_out(
+    world: &World,
+    n: u64,
+    kind: &Population,
+    all: &[(LightId, &dyn Light, &Target)],
+    worth: &[f64],
+) -> Vec<u64> {
+    let choices = &world.scene.light_photons;
+    if choices.all_auto() || kind.first_event != FirstEvent::Delta {
+        return select::allot(n, worth);
+    }
+    // What of a pass's photons is asked for, of its beams; one at least, or the light's would be lost.
+    let scaled = |count: u64| (count as f64 * n as f64 / world.scene.settings.photons as f64).ceil() as u64;
+    let worth_of = |chosen: &dyn Fn(LightId) -> bool| -> Vec<f64> {
+        all.iter().zip(worth).map(|(&(light, ..), &worth)| if chosen(light) { worth } else { 0.0 }).collect()
+    };
+    let rest = n.saturating_sub(scaled(choices.asked()));
+    let mut due = select::allot(rest, &worth_of(&|light| choices.of(light) == PhotonChoice::Auto));
+    for (light, _) in world.lights.iter() {
+        if let PhotonChoice::Count(count) = choices.of(light) {
+            let own = select::allot(scaled(count), &worth_of(&|other| other == light));
+            due.iter_mut().zip(own).for_each(|(due, own)| *due += own);
+        }
+    }
+    due
 }
 
 /// How many of `n` photons share the directions out that were drawn for each at random.

@@ -4,7 +4,7 @@
 //! Where photons own a class of light ([`super::partition`]), the path ends instead of going on to it: at the first delta
 //! event behind a scattering vertex, or at the next surface that scatters; over delta events and glossy surfaces it looks on
 //! for lights whose caustics are partly its own. It drops nothing else: E S* L stays its own, and shadow rays never cross a
-//! delta lobe.
+//! delta lobe. Light that an object would focus which is to cast no caustics is nobody's.
 
 mod medium;
 
@@ -14,7 +14,8 @@ use crate::camera::CameraRay;
 use crate::differential::{Column, Differential, Refraction, reflect, refract, transfer};
 use crate::estimate::{Asks, GatherPoint, Turn};
 use crate::film::{Arrival, EyeSample, LightKind, Met, Part};
-use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
+use crate::light::Receiver;
+use crate::math::{Dir3, Frame, Ray, Vec3};
 use crate::medium::Inside;
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
 use crate::sampling::{PixelSample, Stream};
@@ -83,7 +84,7 @@ struct Walk {
     /// Whether there was a delta event behind one that was none.
     sent_back: bool,
     /// Where the last scattering event was and the density of its direction.
-    scattered: Option<(Point3, Pdf<SolidAngle>)>,
+    scattered: Option<(Receiver, Pdf<SolidAngle>)>,
     /// Whether all other light of the edge under way is the photons'.
     looks_for_lights_only: bool,
     /// Whether photons bring their part of that of lights, too.
@@ -202,7 +203,11 @@ impl EyePathTracer<'_> {
             walk.differential = transfer(&walk.differential, walk.w, si.t, si.ng);
             self.add_emission(walk, &si, sample);
             let bsdf = self.world.bsdf(&si, &walk.differential);
+            let caustics = self.world.scene.objects[si.object.index()].caustics;
             // What a glossy surface sends on to one that scatters is focused.
+            if bsdf.is_glossy() && walk.bounces > 0 && !caustics.cast {
+                break;
+            }
             if bsdf.is_glossy() && walk.bounces > 0 && self.task.finds.leaves_focused() {
                 if self.task.part.is_none() {
                     return;
@@ -216,6 +221,7 @@ impl EyePathTracer<'_> {
                 if !seen.scatters {
                     sample.normal = si.ns.to_vec();
                     sample.albedo = bsdf.albedo(si.wo);
+                    sample.without_caustics = !caustics.receive;
                 }
                 if self.task.finds != EyeFinds::Emitters {
                     self.add_direct_light(walk, &si, &bsdf, stream, sample);
@@ -249,10 +255,14 @@ impl EyePathTracer<'_> {
                     walk.bounces += 1;
                 }
                 walk.chain = 0;
-                walk.scattered = Some((si.p, pdf));
+                walk.scattered = Some((receiver(si), pdf));
                 walk.differential = self.gathered_over(next.wi, pdf);
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
+                let casts = self.world.scene.objects[si.object.index()].caustics.cast;
+                if walk.scattered.is_some() && !casts {
+                    return false;
+                }
                 if walk.scattered.is_some() && self.task.finds.leaves_focused() {
                     if self.task.part.is_none() {
                         return false;
@@ -283,7 +293,8 @@ impl EyePathTracer<'_> {
         let radiance = light.radiance(si.ng, si.wo).0;
         if !radiance.is_black() {
             let w = walk.w;
-            let next_event = |from| lights.pdf_li(id, from, w, (si.p, si.ng), si.time) * lights.pick_pmf(id);
+            let next_event =
+                |from: &Receiver| lights.pdf_li(id, from.p, w, (si.p, si.ng), si.time) * lights.pick_pmf(from, id);
             self.add_found(walk, (id, radiance), sample, next_event);
         }
     }
@@ -293,7 +304,8 @@ impl EyePathTracer<'_> {
         for (id, light) in lights.environments() {
             let (w, radiance) = (walk.w, light.environment_radiance(walk.w).0);
             if !radiance.is_black() {
-                self.add_found(walk, (id, radiance), sample, |_| light.environment_pdf(w) * lights.pick_pmf(id));
+                let next_event = |from: &Receiver| light.environment_pdf(w) * lights.pick_pmf(from, id);
+                self.add_found(walk, (id, radiance), sample, next_event);
             }
         }
     }
@@ -304,13 +316,13 @@ impl EyePathTracer<'_> {
         walk: &mut Walk,
         (light, radiance): (LightId, Spectrum),
         sample: &mut EyeSample,
-        next_event: impl Fn(Point3) -> Pdf<SolidAngle>,
+        next_event: impl Fn(&Receiver) -> Pdf<SolidAngle>,
     ) {
         let (part, weight) = match walk.scattered {
             None => (Part::Direct, 1.0),
             Some(_) if walk.chain > 0 => (Part::Caustic, 1.0),
             Some((from, pdf)) => {
-                let weight = power_heuristic(pdf.get(), next_event(from).get());
+                let weight = power_heuristic(pdf.get(), next_event(&from).get());
                 // The edge just flown belongs to the bounce before it.
                 let part = match walk.order() {
                     1.. if walk.walked.from_glossy => Part::Caustic,
@@ -339,7 +351,7 @@ impl EyePathTracer<'_> {
         sample: &mut EyeSample,
     ) {
         let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let Some(choice) = self.world.lights.pick(&receiver(si), choice) else { return };
         let Some(found) = self.world.lights.sample_li(choice.light, si.p, u, si.time) else { return };
         let f = bsdf.f(si.wo, found.wi, TransportMode::Radiance) * si.ns.dot(found.wi).abs();
         if f.is_black() || found.weight.is_zero() {
@@ -406,6 +418,11 @@ impl EyePathTracer<'_> {
         let (frame, side) = (Frame::from_unit(w), GATHER_WIDTH * pdf.get().sqrt().recip().min(WIDEST_GATHER));
         Differential::new([Column::direction(frame.t * side), Column::direction(frame.b * side)])
     }
+}
+
+/// A surface that looks for light.
+fn receiver(si: &Interaction) -> Receiver {
+    Receiver { p: si.p, n: Some(si.ns) }
 }
 
 fn redirected(columns: &Differential<2>, w: Dir3, si: &Interaction, next: &BsdfSample) -> Differential<2> {

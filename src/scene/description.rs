@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::artistic::{Caustics, PhotonChoice};
 use super::camera::PixelFilter;
 use super::density::DensityGrid;
 use super::error::{Problem, Source};
@@ -222,6 +223,7 @@ pub struct ObjectDescription {
     /// What happens to it after that, from time to time; empty for what stands still.
     pub motion: Vec<MotionKey>,
     pub emission: Option<Emission>,
+    pub caustics: Caustics,
 }
 
 /// Geometry in object space, metres.
@@ -316,6 +318,7 @@ pub struct Emission {
     pub two_sided: bool,
     /// The group of lights that it belongs to, if it says so.
     pub group: Option<Reference>,
+    pub photons: PhotonChoice,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -324,6 +327,7 @@ pub struct LightDescription {
     pub model: LightModel,
     /// The group of lights that it belongs to, if it says so.
     pub group: Option<Reference>,
+    pub photons: PhotonChoice,
     /// What happens to it from time to time; empty for what stands still.
     pub motion: Vec<MotionKey>,
 }

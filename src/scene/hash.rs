@@ -6,6 +6,7 @@ mod materials;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use super::artistic::PhotonChoice;
 use super::camera::PixelFilter;
 use super::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MotionKey,
@@ -241,6 +242,13 @@ impl Canonical {
                 self.numbers(&emission.radiance);
                 self.integer(emission.two_sided.into());
                 self.group(emission.group.as_ref());
+                self.photons(emission.photons);
+            }
+        }
+        // Only where something is left out, as with settings.
+        for (left_out, tag) in [(!object.caustics.cast, "casts none"), (!object.caustics.receive, "receives none")] {
+            if left_out {
+                self.tag(tag);
             }
         }
         // By content, so that neither names nor the order of materials matter.
@@ -415,7 +423,20 @@ impl Canonical {
             }
         }
         self.group(light.group.as_ref());
+        self.photons(light.photons);
         self.motion(&light.motion);
+    }
+
+    /// Only where something is chosen, as with settings.
+    fn photons(&mut self, photons: PhotonChoice) {
+        match photons {
+            PhotonChoice::Auto => {}
+            PhotonChoice::Off => self.tag("no photons"),
+            PhotonChoice::Count(n) => {
+                self.tag("photons");
+                self.integer(n);
+            }
+        }
     }
 
     /// Only where there is one, as with settings.

@@ -2,6 +2,7 @@
 //!
 //! Importers produce a [`description`], [`assemble()`] checks it whole and makes a [`Scene`].
 
+pub mod artistic;
 pub mod assemble;
 pub mod camera;
 pub mod deformation;
@@ -23,6 +24,7 @@ pub mod settings;
 pub mod spelling;
 pub mod texture;
 
+pub use artistic::{Caustics, LightPhotons, PhotonChoice};
 pub use assemble::assemble;
 pub use camera::{CameraModel, CameraSettings, Shutter};
 pub use deformation::Deformation;
@@ -58,6 +60,8 @@ pub struct Scene {
     pub light_motions: Vec<Option<Arc<Motion>>>,
     /// Whose light is kept apart.
     pub light_groups: LightGroups,
+    /// How many photons each is to send.
+    pub light_photons: LightPhotons,
     pub camera: CameraSettings,
     /// When the picture is taken; an instant unless something moves meanwhile.
     pub shutter: Shutter,

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::artistic::Caustics;
 use super::camera::Shutter;
 use super::ids::{LightId, MaterialId, MeshId};
 use super::mesh::TriangleMesh;
@@ -56,6 +57,8 @@ pub struct Object {
     pub material: MaterialId,
     /// The area light that this object is, if it emits.
     pub light: Option<LightId>,
+    /// Which caustics are left out of the picture.
+    pub caustics: Caustics,
 }
 
 impl Object {

@@ -86,7 +86,10 @@ impl Group {
 impl Casters {
     /// `None` if nothing in the scene makes caustics.
     pub fn new(scene: &Scene) -> Option<Casters> {
-        let focuses = |object: &usize| scene.materials[scene.objects[*object].material.index()].can_focus();
+        let focuses = |object: &usize| {
+            let object = &scene.objects[*object];
+            object.caustics.cast && scene.materials[object.material.index()].can_focus()
+        };
         let caster = |object: usize| {
             let (centre, radius) = scene.objects[object].bounding_sphere();
             Caster { object, centre, radius }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use pdembree::light::{Aim, LightError, Lights};
+use pdembree::light::{Aim, LightError, Lights, Receiver};
 use pdembree::math::{Point3, Transform, Vec2, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::light::BeamExtent;
@@ -11,6 +11,9 @@ use pdembree::shape::{Disk, HeightField, Shape};
 
 use crate::support::lights::{dir, tetrahedron};
 use crate::support::scene::scene;
+
+/// Of few lights it does not matter where they are looked for.
+const NOWHERE: Receiver = Receiver { p: Point3::ORIGIN, n: None };
 
 const GREY: Spectrum = Spectrum::splat(2.0);
 
@@ -55,11 +58,11 @@ fn lights_are_picked_half_evenly_and_given_photons_by_power() {
         assert!(close(lights.get(light).power().0.luminance(), *power), "light {i}");
         // Half by power, half evenly among the three that shine.
         let pick = if *power > 0.0 { 0.5 * power / total + 0.5 / 3.0 } else { 0.0 };
-        assert!(close(lights.pick_pmf(light).0, pick), "light {i}");
+        assert!(close(lights.pick_pmf(&NOWHERE, light).0, pick), "light {i}");
     }
-    let first = lights.pick(0.0).expect("some shine");
+    let first = lights.pick(&NOWHERE, 0.0).expect("some shine");
     assert_eq!(first.light, LightId(0));
-    let last = lights.pick(1.0 - f64::EPSILON / 2.0).expect("some shine");
+    let last = lights.pick(&NOWHERE, 1.0 - f64::EPSILON / 2.0).expect("some shine");
     assert_eq!(last.light, LightId(2), "a dark light is never picked");
 
     let photons = lights.allot(10_000, &Aim::Everywhere);
@@ -96,9 +99,9 @@ fn environments_are_found_by_every_ray_that_leaves() {
 #[test]
 fn a_scene_without_light_picks_none() {
     let lights = Lights::new(&objects()).expect("nothing to refuse");
-    assert!(lights.is_empty() && lights.pick(0.5).is_none());
+    assert!(lights.is_empty() && lights.pick(&NOWHERE, 0.5).is_none());
     assert_eq!(lights.allot(100, &Aim::Everywhere), [0u64; 0]);
-    assert_eq!(lights.pick_pmf(LightId(0)).0, 0.0);
+    assert_eq!(lights.pick_pmf(&NOWHERE, LightId(0)).0, 0.0);
 }
 
 #[test]
@@ -142,5 +145,5 @@ fn an_empty_scene_takes_no_unbounded_light() {
         let flux = light.emit([0.1, 0.2, 0.3, 0.4], &Aim::Everywhere).map_or(Spectrum::BLACK, |e| e.flux.0);
         assert!(flux.is_black(), "{flux:?}");
     }
-    assert!(lights.pick(0.5).is_none());
+    assert!(lights.pick(&NOWHERE, 0.5).is_none());
 }

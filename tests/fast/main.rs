@@ -19,6 +19,8 @@ mod gltf;
 mod instructions;
 mod interaction;
 mod light_assembly;
+mod left_out;
+mod light_tree;
 mod lights;
 mod bad_input;
 mod mesh_files;

@@ -14,7 +14,7 @@ use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::light::LightSource;
 use pdembree::scene::panorama::{Part, Projection};
 use pdembree::scene::texture::{Placement, Wrap};
-use pdembree::scene::{ImageTexture, Panorama, Scene};
+use pdembree::scene::{ImageTexture, LightId, Panorama, PhotonChoice, Scene};
 
 use crate::support::gltf::Gltf;
 use crate::support::lights::{COLOUR, SCENE};
@@ -327,4 +327,12 @@ fn a_scenes_panorama_is_assembled_in_parts() {
     let again = toml(folder.path(), &format!("format = 1\n{camera}{THING}{sky}rotation_degrees = 1\n"));
     assert_ne!(scene.hash, again.hash, "where it is is part of the scene");
     assert_eq!(Lights::new(&scene).expect("lights").environments().count(), 2);
+
+    let lamp = "photons = 7\ngroup = \"sky\"\n[[lights]]\ntype = \"point\"\nposition = [0, 3, 0]\nintensity = 1\n";
+    let render = "[render]\nlayers = [\"direct_sky\"]\n";
+    let scene = toml(folder.path(), &format!("format = 1\n{camera}{render}{THING}{sky}{lamp}"));
+    let groups = [0, 1, 2].map(|light| scene.light_groups.of(LightId(light)).index());
+    assert_eq!(groups, [1, 1, 0], "both parts are in the image's group, and the lamp is not");
+    let photons = [0, 1, 2].map(|light| scene.light_photons.of(LightId(light)));
+    assert_eq!(photons, [PhotonChoice::Count(4), PhotonChoice::Count(4), PhotonChoice::Auto]);
 }

@@ -5,7 +5,9 @@
 //! Welch's test, all blocks together at one level. The kernel's bias is not hidden by a tolerance: the scenes' lights
 //! are wide enough for the caustic to be smooth over a footprint, and the tests would fail if it were not.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use pdembree::film::Image;
 use pdembree::import;
@@ -325,7 +327,7 @@ type = "environment"
 radiance = [0.5, 0.3, 0.1]
 "#;
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Settings {
     pub method: &'static str,
     pub caustics: &'static str,
@@ -390,9 +392,14 @@ fn assert_adds_up(picture: &Image) {
     }
 }
 
-/// One for each seed.
+/// One for each seed; what several tests compare with is rendered once.
 pub fn pictures(scene: &str, settings: &Settings) -> Vec<Image> {
-    (0..RUNS).map(|seed| picture(scene, settings, seed)).collect()
+    type Rendered = Arc<OnceLock<Vec<Image>>>;
+    static RENDERED: Mutex<BTreeMap<(String, Settings), Rendered>> = Mutex::new(BTreeMap::new());
+    let key = (scene.to_owned(), *settings);
+    // A test that waits for another's pictures does not hold up those that want none of them.
+    let pictures = RENDERED.lock().expect("no test panics in here").entry(key).or_default().clone();
+    pictures.get_or_init(|| (0..RUNS).map(|seed| picture(scene, settings, seed)).collect()).clone()
 }
 
 /// Moments of each block's mean of a layer's channel over the runs; blocks have `side` × `side` pixels.

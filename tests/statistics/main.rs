@@ -11,6 +11,7 @@ mod interreflection;
 mod light_emission;
 mod light_samples;
 mod lights;
+mod many_lights;
 mod media;
 mod motion_blur;
 mod bsdf;

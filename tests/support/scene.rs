@@ -4,8 +4,8 @@ use pdembree::math::{Bounds3, Point3, Ray, Transform, Vec3};
 use pdembree::radiometry::Spectrum;
 use pdembree::scene::camera::PixelFilter;
 use pdembree::scene::{
-    CameraModel, CameraSettings, LightGroups, Material, MaterialId, Media, MeshId, Object, ObjectGeometry,
-    RenderSettings, Scene, Shutter, Textured, TriangleMesh,
+    CameraModel, CameraSettings, Caustics, LightGroups, LightPhotons, Material, MaterialId, Media, MeshId, Object,
+    ObjectGeometry, RenderSettings, Scene, Shutter, Textured, TriangleMesh,
 };
 use pdembree::shape::Shape;
 
@@ -14,7 +14,8 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
     let mesh_bounds: Vec<Bounds3> = meshes.iter().map(TriangleMesh::swept_bounds).collect();
     let object = |geometry: ObjectGeometry| {
         let bounds = geometry.bounds(&mesh_bounds);
-        Object { name: "test object".into(), geometry, motion: None, bounds, material: MaterialId(0), light: None }
+        let (name, material, caustics) = ("test object".into(), MaterialId(0), Caustics::default());
+        Object { name, geometry, motion: None, bounds, material, light: None, caustics }
     };
     let objects: Vec<Object> = geometry.into_iter().map(object).collect();
     let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
@@ -28,6 +29,7 @@ pub fn scene(geometry: Vec<ObjectGeometry>, meshes: Vec<TriangleMesh>) -> Scene 
         lights: vec![],
         light_motions: vec![],
         light_groups: LightGroups::default(),
+        light_photons: LightPhotons::default(),
         camera: CameraSettings {
             model: CameraModel::Perspective { fov_x: 1.0 },
             position: Point3::new(0.0, 0.0, 5.0),

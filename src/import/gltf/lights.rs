@@ -8,6 +8,7 @@ use gltf::khr_lights_punctual::{Kind, Light};
 
 use super::nodes::direction;
 use crate::import::ignored::Ignored;
+use crate::scene::PhotonChoice;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel};
 use crate::scene::error::Source;
 
@@ -48,5 +49,11 @@ pub(super) fn describe(
             }
         }
     };
-    Some(LightDescription { source: source.clone(), model, group: None, motion: Vec::new() })
+    Some(LightDescription {
+        source: source.clone(),
+        model,
+        group: None,
+        photons: PhotonChoice::Auto,
+        motion: Vec::new(),
+    })
 }

@@ -7,6 +7,7 @@ use gltf::{Document, Material};
 use super::textures::{Channels, Textures, uv_set};
 use crate::import::ignored::Ignored;
 use crate::import::names::Names;
+use crate::scene::PhotonChoice;
 use crate::scene::description::{
     Emission, InteriorDescription, MaterialDescription, MaterialModel, MediumDescription, NormalMapDescription,
     Parameter, Reference, TextureDescription,
@@ -245,7 +246,7 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
         uses.ignored.note("emissiveTexture (its mean is taken)");
     }
     let two_sided = material.double_sided();
-    let emission = Emission { source: source.clone(), radiance, two_sided, group: None };
+    let emission = Emission { source: source.clone(), radiance, two_sided, group: None, photons: PhotonChoice::Auto };
     Ok((radiance != [0.0; 3]).then_some(emission))
 }
 

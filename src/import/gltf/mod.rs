@@ -31,6 +31,7 @@ use super::imported::{Imported, Wanted};
 use super::names::Names;
 use super::{MAX_MESH_BYTES, read_bytes};
 use crate::math::{Bounds3, Point3};
+use crate::scene::Caustics;
 use crate::scene::description::{
     LightDescription, MeshDescription, ObjectDescription, Reference, ShapeDescription, TransformStep,
 };
@@ -190,6 +191,7 @@ impl Reading<'_, '_> {
                 transform: transform.into_iter().collect(),
                 motion: Vec::new(),
                 emission: finish.emission,
+                caustics: Caustics::default(),
             });
         }
         Ok(())

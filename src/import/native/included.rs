@@ -7,6 +7,7 @@ use crate::import::imported::{Imported, Wanted};
 use crate::import::keyed::convert::Text;
 use crate::import::keyed::reader::Section;
 use crate::import::{gltf, is_foreign, pbrt};
+use crate::scene::PhotonChoice;
 use crate::scene::description::{
     CameraDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription, MediumDescription,
     ObjectDescription,
@@ -116,6 +117,7 @@ impl Included {
                 source: self.source.clone(),
                 model,
                 group: None,
+                photons: PhotonChoice::Auto,
                 motion: Vec::new(),
             }));
             say("the file has no light: a sky of 0.5 W/(m² sr) and a sun of 2 W/m² stand in", "add lights to it");

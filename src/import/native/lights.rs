@@ -9,15 +9,17 @@ use super::materials::SPACES;
 use super::objects::read_key;
 use crate::import::assets::Assets;
 use crate::import::keyed::convert::{
-    ANY, Choice, Colour, Convert, Direction, Mismatch, NON_NEGATIVE, Number, POINT, POSITIVE, Text, found,
+    ANY, Choice, Colour, Convert, Direction, Integer, Mismatch, NON_NEGATIVE, Number, POINT, POSITIVE, Text, found,
 };
 use crate::import::keyed::reader::Section;
 use crate::math::{Dir3, Transform, Vec3};
 use crate::radiometry::Spectrum;
+use crate::scene::PhotonChoice;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel, Reference};
 use crate::scene::error::Problem;
 use crate::scene::light_group;
 use crate::scene::panorama::{Panorama, Part, Projection};
+use crate::scene::settings::MAX_PHOTONS_PER_PASS;
 
 #[derive(Clone, Copy)]
 enum LightName {
@@ -57,10 +59,11 @@ fn read_light(section: Section<'_>, assets: &mut Assets) -> LightDescription {
         }
     };
     let group = read_group(&section);
+    let photons = section.or("photons", Photons, PhotonChoice::Auto);
     let Some(name) = name else {
         // Stands for the light that is meant, so that the scene does not seem to be dark.
         let model = LightModel::Environment { radiance: [1.0; 3] };
-        return LightDescription { source, model, group: None, motion: Vec::new() };
+        return LightDescription { source, model, group: None, photons, motion: Vec::new() };
     };
     let model = match name {
         LightName::Point => LightModel::Point {
@@ -77,7 +80,7 @@ fn read_light(section: Section<'_>, assets: &mut Assets) -> LightDescription {
     };
     let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect();
     section.finish();
-    LightDescription { source, model, group, motion }
+    LightDescription { source, model, group, photons, motion }
 }
 
 /// `group`, of a light or an object that emits.
@@ -99,6 +102,23 @@ impl Convert for GroupName {
         match value.get_ref() {
             DeValue::String(name) if light_group::is_name(name) => Ok(name.to_string()),
             other => Err(Mismatch { found: found(other), span: value.span() }),
+        }
+    }
+}
+
+/// `photons`, of a light or an object that emits.
+pub(super) struct Photons;
+
+impl Convert for Photons {
+    type Output = PhotonChoice;
+    fn expects(&self) -> String {
+        format!("\"auto\", \"off\" or an integer from 1 to {MAX_PHOTONS_PER_PASS}")
+    }
+    fn convert(&self, value: &Spanned<DeValue<'_>>) -> Result<PhotonChoice, Mismatch> {
+        match value.get_ref() {
+            DeValue::String(word) if word == "auto" => Ok(PhotonChoice::Auto),
+            DeValue::String(word) if word == "off" => Ok(PhotonChoice::Off),
+            _ => Integer::within(1, MAX_PHOTONS_PER_PASS).convert(value).map(PhotonChoice::Count),
         }
     }
 }

@@ -3,11 +3,13 @@
 use toml::Spanned;
 use toml::de::DeValue;
 
+use super::lights::Photons;
 use crate::import::assets::Assets;
 use crate::import::keyed::convert::{
     ANY, Array, Boolean, Choice, Colour, Direction, List, NON_NEGATIVE, POINT, POSITIVE, ScaleFactors, Text,
 };
 use crate::import::keyed::reader::Section;
+use crate::scene::Caustics;
 use crate::scene::description::{
     Emission, MotionKey, ObjectDescription, Reference, ShapeDescription, TransformMap, TransformStep, WaveDescription,
 };
@@ -53,6 +55,7 @@ fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<O
     let transform = read_transform(&section);
     let motion = section.tables("motion", |i| format!("key {i} of `motion`")).iter().map(read_key).collect::<Vec<_>>();
     let emission = read_emission(&section);
+    let caustics = section.table("caustics").map_or(Caustics::default(), read_caustics);
     let material = section.get("material").map(|value| Reference {
         name: section.reader.convert("material", value, &Text).unwrap_or_default(),
         source: section.reader.source(value.span()),
@@ -87,6 +90,7 @@ fn read_object(index: usize, section: Section<'_>, assets: &mut Assets) -> Vec<O
         transform: transform.clone(),
         motion: motion.clone(),
         emission: emission.clone(),
+        caustics,
     };
     parts.into_iter().map(part).collect()
 }
@@ -215,9 +219,11 @@ fn read_frames(
 fn read_emission(section: &Section<'_>) -> Option<Emission> {
     let two_sided = section.get("two_sided");
     let group = super::lights::read_group(section);
+    let photons = section.get("photons");
     let Some(value) = section.get("emission") else {
-        let two_sided = two_sided.map(|value| ("two_sided", section.reader.source(value.span())));
-        for (key, source) in two_sided.into_iter().chain(group.map(|group| ("group", group.source))) {
+        let given = [("two_sided", two_sided), ("photons", photons)].into_iter();
+        let given = given.filter_map(|(key, value)| Some((key, section.reader.source(value?.span()))));
+        for (key, source) in given.chain(group.map(|group| ("group", group.source))) {
             let problem = Problem::new(format!("`{key}` without `emission` says nothing"));
             section.reader.report(problem.help("give emission = [r, g, b] in W/(m² sr), or remove it").at(&source));
         }
@@ -228,7 +234,15 @@ fn read_emission(section: &Section<'_>) -> Option<Emission> {
         radiance: section.reader.convert("emission", value, &Colour(NON_NEGATIVE)).unwrap_or([1.0; 3]),
         two_sided: two_sided.and_then(|v| section.reader.convert("two_sided", v, &Boolean)).unwrap_or(false),
         group,
+        photons: photons.and_then(|v| section.reader.convert("photons", v, &Photons)).unwrap_or_default(),
     })
+}
+
+/// `caustics = { cast, receive }`.
+fn read_caustics(section: Section<'_>) -> Caustics {
+    let caustics = Caustics { cast: section.or("cast", Boolean, true), receive: section.or("receive", Boolean, true) };
+    section.finish();
+    caustics
 }
 
 fn read_transform(section: &Section<'_>) -> Vec<TransformStep> {

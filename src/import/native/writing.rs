@@ -7,6 +7,7 @@
 use std::fmt::Write;
 use std::path::{Component, Path, PathBuf};
 
+use crate::scene::PhotonChoice;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{
     CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription,
@@ -217,5 +218,10 @@ fn light(light: &LightDescription) -> Option<Keys> {
         LightModel::Panorama(_) => return None,
     };
     keys.extend(light.group.as_ref().map(|group| ("group", quoted(&group.name))));
+    match light.photons {
+        PhotonChoice::Auto => {}
+        PhotonChoice::Off => keys.push(("photons", quoted("off"))),
+        PhotonChoice::Count(n) => keys.push(("photons", n.to_string())),
+    }
     light.motion.is_empty().then_some(keys)
 }

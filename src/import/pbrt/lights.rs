@@ -11,6 +11,7 @@ use super::spectra;
 use crate::import::image;
 use crate::math::Dir3;
 use crate::radiometry::Spectrum;
+use crate::scene::PhotonChoice;
 use crate::scene::description::{Emission, ExtentDescription, LightDescription, LightModel};
 use crate::scene::error::Problem;
 use crate::scene::panorama::{Panorama, Part, Projection};
@@ -80,6 +81,7 @@ pub(super) fn describe(
         source: ps.source.clone(),
         model,
         group: None,
+        photons: PhotonChoice::Auto,
         motion: Vec::new(),
     }))
 }
@@ -107,7 +109,13 @@ fn panorama(ps: &Parameters, file: &str, to_world: &DMat4, folder: &Path) -> Res
     })?;
     let (projection, factor) = (Projection::Octahedral, Spectrum::splat(scale));
     let model = LightModel::Panorama(Panorama { image: Arc::new(image), projection, axes, factor, part: Part::All });
-    Ok((scale > 0.0).then(|| LightDescription { source: ps.source.clone(), model, group: None, motion: Vec::new() }))
+    Ok((scale > 0.0).then(|| LightDescription {
+        source: ps.source.clone(),
+        model,
+        group: None,
+        photons: PhotonChoice::Auto,
+        motion: Vec::new(),
+    }))
 }
 
 /// Where a light's x, y and z are; `None` if they do not stay perpendicular or equally long.
@@ -133,7 +141,13 @@ pub(super) fn emission(
     }
     let sides = if two_sided { 2.0 } else { 1.0 };
     let radiance = power(ps, "L", folder, |_| Ok(sides * PI * area()?))?;
-    Ok((radiance != [0.0; 3]).then(|| Emission { source: ps.source.clone(), radiance, two_sided, group: None }))
+    Ok((radiance != [0.0; 3]).then(|| Emission {
+        source: ps.source.clone(),
+        radiance,
+        two_sided,
+        group: None,
+        photons: PhotonChoice::Auto,
+    }))
 }
 
 /// The colour `name` times `scale`, white where there is none.

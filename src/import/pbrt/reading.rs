@@ -18,6 +18,7 @@ use super::state::{Kept, State};
 use super::textures::Textures;
 use crate::import::ignored::Ignored;
 use crate::import::imported::Imported;
+use crate::scene::Caustics;
 use crate::scene::description::{
     Emission, LightDescription, ObjectDescription, Reference, ShapeDescription, TransformStep,
 };
@@ -282,6 +283,7 @@ impl<'a> Reading<'a> {
             shape: item.shape,
             motion: Vec::new(),
             emission: item.emission,
+            caustics: Caustics::default(),
         })
     }
 }

@@ -1,7 +1,8 @@
 //! The surface of an emissive mesh · world frame, m² · triangles by area on a mosaic of the unit square.
 
 use super::SurfacePoint;
-use crate::math::{Normal3, Point3, Transform, Vec3};
+use crate::light::NormalCone;
+use crate::math::{Bounds3, Normal3, Point3, Transform, Vec3};
 use crate::sampling::discrete::Mosaic;
 use crate::sampling::warp::{Triangle, Warp};
 use crate::scene::TriangleMesh;
@@ -31,15 +32,26 @@ impl MeshSurface {
         self.area
     }
 
+    /// Around all triangles, and around their normals.
+    pub fn bounds(&self) -> (Bounds3, NormalCone) {
+        let bounds = Bounds3::from_points(self.triangles.iter().flat_map(|triangle| triangle.corners));
+        let normals = self.triangles.iter().filter_map(|triangle| self.normal(triangle)).map(NormalCone::of);
+        (bounds, normals.reduce(NormalCone::union).unwrap_or(NormalCone::SPHERE))
+    }
+
+    /// Outward; `None` for a triangle without area.
+    fn normal(&self, triangle: &Triangle) -> Option<Normal3> {
+        let [a, b, c] = triangle.corners;
+        Normal3::new((b - a).cross(c - a) * if self.mirrored { -1.0 } else { 1.0 })
+    }
+
     pub fn sample(&self, u: [f64; 2]) -> Option<SurfacePoint> {
         let choice = self.mosaic.sample(u);
         let triangle = &self.triangles[choice.index];
         let (p, [du, dv]) = triangle.sample_with_jacobian(choice.reused);
-        let [a, b, c] = triangle.corners;
-        let outward = (b - a).cross(c - a) * if self.mirrored { -1.0 } else { 1.0 };
         Some(SurfacePoint {
             p,
-            n: Normal3::new(outward)?,
+            n: self.normal(triangle)?,
             dpdu: du * choice.stretch[0],
             dpdv: dv * choice.stretch[1],
             dndu: Vec3::ZERO,

@@ -9,12 +9,12 @@
 mod mesh;
 mod shape;
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use self::mesh::MeshSurface;
 use self::shape::ShapeSurface;
 use super::aim::{self, Cone, Directions, SphereCone};
-use super::{Aim, Emission, Light, LightSample};
+use super::{Aim, Emission, Light, LightBounds, LightSample};
 use crate::differential::{Column, Differential};
 use crate::math::{Dir3, Frame, Normal3, Point3, Transform, Vec3};
 use crate::radiometry::{Area, Flux, Pdf, Radiance, SolidAngle};
@@ -299,6 +299,15 @@ impl Light for AreaLight {
             return if cos > 0.0 { seen.cone.pdf() } else { Pdf::ZERO };
         }
         self.surface.pdf_at(n_on_light).to_solid_angle(p.distance_squared(p_on_light), cos)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        let (bounds, normals) = match &self.surface {
+            Surface::Mesh(mesh) => mesh.bounds(),
+            Surface::Shape(shape) => shape.bounds(),
+        };
+        let power = self.power().0.luminance();
+        Some(LightBounds { bounds, normals, reach: FRAC_PI_2, power, two_sided: self.two_sided })
     }
 
     fn radiance(&self, n: Normal3, w_out: Dir3) -> Radiance {

@@ -4,7 +4,8 @@
 //! Jacobian |∂p/∂u × ∂p/∂v|, so densities are exact for ellipsoids too.
 
 use super::SurfacePoint;
-use crate::math::{Normal3, Point3, Transform, Vec3};
+use crate::light::NormalCone;
+use crate::math::{Bounds3, Normal3, Point3, Transform, Vec3};
 use crate::shape::Shape;
 
 /// Steps of the quadrature of the area in each coordinate, where the stretch is not the same everywhere.
@@ -43,6 +44,13 @@ impl ShapeSurface {
         let [x, y, z] = self.to_world.columns();
         let transposed = Vec3::new(x.dot(n.to_vec()), y.dot(n.to_vec()), z.dot(n.to_vec()));
         transposed.length() / (x.cross(y).dot(z).abs() * self.object_area)
+    }
+
+    /// Around it; the normals of what is flat.
+    pub fn bounds(&self) -> (Bounds3, NormalCone) {
+        let flat = matches!(self.shape, Shape::Disk(_) | Shape::Rectangle(_));
+        let normal = self.sample([0.5; 2]).filter(|_| flat).map(|at| NormalCone::of(at.n));
+        (self.shape.bounds().transformed(&self.to_world), normal.unwrap_or(NormalCone::SPHERE))
     }
 
     pub fn sample(&self, u: [f64; 2]) -> Option<SurfacePoint> {

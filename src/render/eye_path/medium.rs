@@ -10,6 +10,7 @@ use std::ops::ControlFlow;
 use super::{Aside, EyePathTracer, Seen, Walk, survives_roulette};
 use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
+use crate::light::Receiver;
 use crate::light::select::LightChoice;
 use crate::math::Ray;
 use crate::medium::{HenyeyGreenstein, Regions, Stretch, Way};
@@ -135,7 +136,7 @@ impl EyePathTracer<'_> {
         walk.looks_for_lights_only = self.task.finds.leaves_scattered(walk.bounces);
         walk.bounces += 1;
         walk.chain = 0;
-        walk.scattered = Some((at.p, pdf));
+        walk.scattered = Some((Receiver { p: at.p, n: None }, pdf));
         walk.differential = self.gathered_over(wi, pdf);
         if !survives_roulette(walk, edge, stream) {
             return false;
@@ -154,7 +155,7 @@ impl EyePathTracer<'_> {
         sample: &mut EyeSample,
     ) {
         let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(choice) = self.world.lights.pick(choice) else { return };
+        let Some(choice) = self.world.lights.pick(&Receiver { p: at.p, n: None }, choice) else { return };
         self.add_light_at(regions, walk, at, (choice, u), sample);
     }
 
@@ -170,10 +171,10 @@ impl EyePathTracer<'_> {
     ) {
         let (choice, u) = walk.first_light.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let [side, channel, place] = [stream.uniform(), stream.uniform(), stream.uniform()];
-        let Some(choice) = self.world.lights.pick(choice) else { return };
         let (ray, time) = (&walk.ray, walk.ray.time);
         // The light's own numbers say which point of it is meant: with each of them the mean over the places is the light there.
         let middle = ray.at(0.5 * (stretch.from + stretch.to));
+        let Some(choice) = self.world.lights.pick(&Receiver { p: middle, n: None }, choice) else { return };
         let point = self.world.lights.sample_li(choice.light, middle, u, time);
         let point = point.filter(|found| found.distance.is_finite()).map(|found| middle + found.wi * found.distance);
         let way = regions.way(stretch, ray.origin, walk.w);
@@ -198,9 +199,11 @@ impl EyePathTracer<'_> {
         let value = HenyeyGreenstein::new(regions.get(at.medium).asymmetry).between(walk.w, found.wi);
         let ray = at.shadow_ray(found.wi, found.distance);
         let Some(left) = self.world.transmittance(regions, &ray, walk.inside) else { return };
+        // As the phase function's own paths count it, wherever the light was chosen.
+        let chance = self.world.lights.pick_pmf(&Receiver { p: at.p, n: None }, choice.light);
         let weight = match found.pdf {
             None => 1.0,
-            Some(pdf) => power_heuristic((pdf * choice.pmf).get(), value),
+            Some(pdf) => power_heuristic((pdf * chance).get(), value),
         };
         let weight = weight * self.part_of(walk, choice.light);
         let light = walk.beta * found.weight.0 * left * (value * weight / choice.pmf.0);

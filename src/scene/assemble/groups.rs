@@ -9,14 +9,14 @@ use crate::scene::object::Object;
 use crate::scene::spelling::nearest;
 
 /// Puts the scene's groups in the place of `*` in its settings' layers, and tells the groups of its lights, those that are
-/// objects behind the others.
+/// objects behind the others; `described` says of these which of the description's each is.
 pub(super) fn assemble(
     description: &mut SceneDescription,
-    lights: &[LightSource],
+    (lights, described): (&[LightSource], &[usize]),
     objects: &[Object],
     report: &mut Report,
 ) -> LightGroups {
-    let of_light = names(description, lights, objects);
+    let of_light = names(description, (lights, described), objects);
     let mut known: Vec<&str> = of_light.iter().map(String::as_str).collect();
     known.sort_unstable();
     known.dedup();
@@ -44,9 +44,13 @@ pub(super) fn assemble(
 }
 
 /// The names of the lights' groups. A scene whose lights are not all sound has none, and is reported elsewhere.
-fn names(description: &SceneDescription, lights: &[LightSource], objects: &[Object]) -> Vec<String> {
+fn names(
+    description: &SceneDescription,
+    (lights, described): (&[LightSource], &[usize]),
+    objects: &[Object],
+) -> Vec<String> {
     let of = |group: Option<&str>| group.unwrap_or(DEFAULT).to_owned();
-    let described = description.lights.iter().map(|light| of(light.group.as_ref().map(|g| g.name.as_str())));
+    let described = described.iter().map(|&i| of(description.lights[i].group.as_ref().map(|g| g.name.as_str())));
     let emitting = lights.iter().filter_map(|light| {
         let LightSource::Area { object, .. } = light else { return None };
         let name = &objects.get(object.index())?.name;

@@ -6,6 +6,7 @@ use super::Report;
 use super::motion::moving_light;
 use crate::math::{Dir3, Motion, Point3, Transform, Vec3};
 use crate::radiometry::Spectrum;
+use crate::scene::artistic::{LightPhotons, PhotonChoice};
 use crate::scene::camera::Shutter;
 use crate::scene::description::{ExtentDescription, LightDescription, LightModel, SceneDescription};
 use crate::scene::error::Problem;
@@ -14,24 +15,67 @@ use crate::scene::light::{BeamExtent, LightSource};
 /// Cosine between axes up to which they count as perpendicular.
 const PERPENDICULAR: f64 = 1e-6;
 
-/// The lights, where they are in the middle of the shutter's interval, and how they move meanwhile.
-pub(super) fn assemble(
-    described: &[LightDescription],
-    shutter: Shutter,
-    report: &mut Report,
-) -> (Vec<LightSource>, Vec<Option<Arc<Motion>>>) {
-    let (mut sources, mut motions) = (Vec::new(), Vec::new());
+/// The lights of a description; area lights come behind them, without motions of their own.
+#[derive(Default)]
+pub(super) struct AssembledLights {
+    /// Where they are in the middle of the shutter's interval.
+    pub sources: Vec<LightSource>,
+    /// How they move meanwhile.
+    pub motions: Vec<Option<Arc<Motion>>>,
+    /// Which of the description's each is, or is a part of.
+    pub described: Vec<usize>,
+    /// How many photons each is to send.
+    pub photons: Vec<PhotonChoice>,
+}
+
+pub(super) fn assemble(described: &[LightDescription], shutter: Shutter, report: &mut Report) -> AssembledLights {
+    let mut lights = AssembledLights::default();
     for (i, light) in described.iter().enumerate() {
         let Some(source) = assemble_light(light, report) else { continue };
         let Some((place, motion)) = moving_light(&format!("light {i}"), &light.motion, shutter, report) else {
             continue;
         };
-        for source in in_parts(moved(source, &place, light, report)) {
-            sources.push(source);
-            motions.push(motion.clone());
+        let parts = in_parts(moved(source, &place, light, report));
+        let photons = match light.photons {
+            PhotonChoice::Count(n) => PhotonChoice::Count(n.div_ceil(parts.len().max(1) as u64)),
+            choice => choice,
+        };
+        for source in parts {
+            lights.sources.push(source);
+            lights.motions.push(motion.clone());
+            lights.photons.push(photons);
+            lights.described.push(i);
         }
     }
-    (sources, motions)
+    lights
+}
+
+/// Numbers of photons that a pass can send; and what a picture is to leave out is told.
+pub(super) fn check_photons(photons: &LightPhotons, description: &SceneDescription, report: &mut Report) {
+    let (asked, all) = (photons.asked(), description.settings.photons);
+    if asked > all {
+        let problem = Problem::new(format!("the lights ask for {asked} photons, a pass has {all}"));
+        report
+            .problem(problem.help("raise `photons` of [render], or lower those of the lights").at(&description.source));
+    }
+    let lamps = description.lights.iter().map(|light| (light.photons, &light.source));
+    let objects = description.objects.iter().filter_map(|object| object.emission.as_ref());
+    let emitting = objects.map(|emission| (emission.photons, &emission.source));
+    for (_, source) in lamps.chain(emitting).filter(|(choice, _)| *choice == PhotonChoice::Off) {
+        let warning =
+            Problem::new("the light sends no photons: what would be focused of it is left out of the picture");
+        report.warning(warning.help("this is no physics; take `photons = \"off\"` away to have it").at(source));
+    }
+    for object in &description.objects {
+        for (is_in, what) in [(object.caustics.cast, "casts"), (object.caustics.receive, "receives")] {
+            if !is_in {
+                let warning =
+                    Problem::new(format!("`{}` {what} no caustics: they are left out of the picture", object.name));
+                report
+                    .warning(warning.help("this is no physics; take `caustics` away to have them").at(&object.source));
+            }
+        }
+    }
 }
 
 /// A sun in a sky is a light for itself.

@@ -15,7 +15,9 @@ mod motion;
 use std::collections::HashMap;
 
 use self::geometry::{Geometry, Placed};
+use self::lights::AssembledLights;
 use self::materials::Materials;
+use super::artistic::LightPhotons;
 use super::camera::Shutter;
 use super::description::{ObjectDescription, SceneDescription, ShapeDescription};
 use super::error::{Problem, Problems};
@@ -65,9 +67,14 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
     let materials = Materials::assemble(&description, &mut report);
     let media = media::assemble(&description, &materials, &mut report);
     let geometry = Geometry::assemble(&mut description, shutter, &materials, &mut report);
-    let (mut lights, light_motions) = lights::assemble(&description.lights, shutter, &mut report);
+    let assembled = lights::assemble(&description.lights, shutter, &mut report);
+    let AssembledLights { sources: mut lights, motions: light_motions, described, mut photons } = assembled;
     let objects = place_objects(&description, shutter, &materials, &geometry, &mut lights, &mut report);
-    let light_groups = groups::assemble(&mut description, &lights, &objects, &mut report);
+    let emissions = description.objects.iter().filter_map(|object| object.emission.as_ref());
+    photons.extend(emissions.map(|emission| emission.photons));
+    let light_photons = LightPhotons::new(photons);
+    lights::check_photons(&light_photons, &description, &mut report);
+    let light_groups = groups::assemble(&mut description, (&lights, &described), &objects, &mut report);
     check_names(&description, &mut report);
     lights::check_some_light(&lights, &description, &mut report);
     let bounds = objects.iter().fold(Bounds3::EMPTY, |all, object| all.union(object.bounds));
@@ -84,7 +91,8 @@ pub fn assemble(mut description: SceneDescription) -> Result<(Scene, Vec<Problem
         || geometry.meshes.iter().any(TriangleMesh::changes);
     let shutter = if moves { shutter } else { Shutter::instant(shutter.open) };
     let scene = scene(camera, description.settings, materials, geometry, objects, lights, hashes);
-    problems.into_result((Scene { bounds, shutter, light_motions, light_groups, media, ..scene }, warnings))
+    problems
+        .into_result((Scene { bounds, shutter, light_motions, light_groups, light_photons, media, ..scene }, warnings))
 }
 
 fn scene(
@@ -106,6 +114,7 @@ fn scene(
         lights,
         light_motions: Vec::new(),
         light_groups: LightGroups::default(),
+        light_photons: LightPhotons::default(),
         camera,
         shutter: Shutter::instant(0.0),
         settings,
@@ -154,7 +163,15 @@ fn place_objects(
             LightId(lights.len() as u32 - 1)
         });
         let bounds = Object::swept_bounds(&own, motion.as_deref(), shutter, &geometry.mesh_bounds);
-        objects.push(Object { name: item.name.clone(), geometry: own, motion, bounds, material, light });
+        objects.push(Object {
+            name: item.name.clone(),
+            geometry: own,
+            motion,
+            bounds,
+            material,
+            light,
+            caustics: item.caustics,
+        });
     }
     objects
 }
