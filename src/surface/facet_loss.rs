@@ -3,8 +3,8 @@
 //!
 //! L(μ) = 1 − E(μ), E being what one event at facets that absorb nothing sends on: all of it reflected, or, at an interface,
 //! partly transmitted. It is what a lobe of light that meets more facets has to give back. Here it is a
-//! little too small, by some [`ERROR`], at grazing on narrow facets up to four times that, and never too large, so that
-//! nothing returns more light than it gets.
+//! little too small, by [`ERROR`] at most times two from α = 0.01 on, and never too large, so that nothing returns more
+//! light than it gets.
 //!
 //! An interface has one table for each of a few ratios of indices, made when it is first asked for.
 
@@ -19,6 +19,8 @@ pub const ERROR: f64 = 0.008;
 
 /// Cells along the cube root of the width.
 const WIDTHS: usize = 24;
+/// Rows of narrower facets, α < 0.005, are zero: these lose light in the last degree before grazing alone.
+const LEAST_WIDTH: usize = 4;
 /// Cells along ±√|x| on each side, x = (η − 1)/(η + 1) up to [`FARTHEST`].
 const RATIOS: usize = 24;
 const FARTHEST: f64 = 0.6;
@@ -100,7 +102,7 @@ fn table(albedo: impl Fn(f64, f64) -> f64) -> Table {
     let row = |i: usize| {
         let alpha = (i as f64 / WIDTHS as f64).powi(3).max(Ggx::SMOOTH_BELOW);
         let node = |j: usize| match i {
-            0 => [0.0],
+            0..LEAST_WIDTH => [0.0],
             _ => {
                 let cos = (j as f64 / CELLS as f64).powi(3).max(1e-9);
                 [(1.0 - albedo(cos, alpha) - ERROR).max(0.0)]
@@ -134,7 +136,8 @@ mod tests {
     use super::*;
     use crate::sampling::{Purpose, Stream};
 
-    /// Against quadrature with eighteen times the points: of what is lost, all but four times the error is told, and no more.
+    /// Against quadrature with eighteen times the points: of what is lost, all but twice the error is told from α = 0.01 on,
+    /// and no more anywhere.
     #[test]
     fn no_more_is_given_back_than_is_lost_and_little_less() {
         let seed = 32;
@@ -149,7 +152,7 @@ mod tests {
                 let told = Loss::of_interface(eta, alpha).expect("in the table").at(cos);
                 let off = told - lost;
                 assert!(
-                    off < 1e-3 && off > -4.0 * ERROR,
+                    off < 1e-3 && (off > -2.0 * ERROR || alpha < 0.01),
                     "seed {seed} eta {eta} alpha {alpha} cos {cos}: {told} of {lost}"
                 );
             }
@@ -159,7 +162,10 @@ mod tests {
                 [if wi.z > 0.0 { facets.g2_reflection(w, wi) / facets.g1(w) } else { 0.0 }]
             });
             let off = Loss::of_mirrors(alpha).at(cos) - (1.0 - kept);
-            assert!(off < 1e-3 && off > -4.0 * ERROR, "seed {seed} mirrors alpha {alpha} cos {cos}: {off}");
+            assert!(
+                off < 1e-3 && (off > -2.0 * ERROR || alpha < 0.01),
+                "seed {seed} mirrors alpha {alpha} cos {cos}: {off}"
+            );
         }
     }
 
