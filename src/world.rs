@@ -10,9 +10,8 @@ use crate::differential::Differential;
 use crate::light::{Aim, LightError, Lights};
 use crate::math::{Dir3, Ray};
 use crate::medium::{LostCount, Regions};
-use crate::radiometry::Spectrum;
 use crate::sampling::Stream;
-use crate::scene::{Scene, Textured};
+use crate::scene::Scene;
 use crate::shape::Parametrisation;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
 
@@ -80,8 +79,8 @@ impl World {
     fn bend_normal(&self, si: &mut Interaction) {
         let Some(map) = self.scene.materials[si.material.index()].normal_map() else { return };
         let at = si.parametrisation(&self.scene);
-        let image = Textured::Image { texture: map.texture, factor: Spectrum::ONE };
-        si.ns = normal_map::bent(si, &at, self.textures.colour(&image, &Lookup::point(&at)), map.scale);
+        let image = self.textures.with_slopes(map.texture, at.uv);
+        (si.ns, si.shape) = normal_map::bent(si, &at, &image, map.scale);
     }
 
     /// Hits so far whose place is the backend's own, in its precision ([`Interaction::exact`]).

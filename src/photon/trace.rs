@@ -20,14 +20,14 @@ use super::path::{FirstEvent, PathLimits, PhotonCounts, survive};
 use super::plan::{Population, Target};
 use super::record::Photon;
 use super::time_cells::TimeCells;
-use crate::differential::{SurfaceMotion, blurred};
+use crate::differential::{SurfaceMotion, blurred, bounced};
 use crate::light::Emission;
 use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
 use crate::medium::Inside;
 use crate::radiometry::{Flux, Spectrum};
 use crate::sampling::Stream;
 use crate::surface::adjoint::shading_normal_factor;
-use crate::surface::{Bsdf, Interaction, TransportMode};
+use crate::surface::{Bsdf, Interaction, Passage, TransportMode};
 use crate::world::World;
 
 /// Traces photons into a list; one for each unit of work. N = 4 columns go with each of them, or none for the estimates that
@@ -360,11 +360,11 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
         self.counts.split += u64::from(followed > 1);
     }
 
-    /// Goes on over a facet of a glossy surface, drawn at random.
+    /// Goes on over a facet of a glossy surface, or several, drawn at random.
     fn glance(&mut self, si: &Interaction, bsdf: &Bsdf, branch: &Branch<N, T>, stream: &mut Stream) {
         let (uc, u, mode) = (stream.uniform(), stream.uniform2(), TransportMode::Importance);
         let sample = bsdf.sample_scatter(si.wo, uc, u, mode);
-        let Some((sample, facet)) = sample.and_then(|sample| Some((sample, bsdf.facet(si.wo, sample.wi)?))) else {
+        let Some((sample, passage)) = sample.and_then(|sample| Some((sample, bsdf.passage(si.wo, sample.wi)?))) else {
             self.counts.absorbed += 1;
             return;
         };
@@ -374,13 +374,20 @@ impl<'a, const N: usize, const T: usize> PhotonTracer<'a, N, T> {
             self.counts.roulette += 1;
             return;
         };
-        let (normal, eta) = facet;
-        let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
         let mut next = *branch;
-        next.columns.turn(si, branch.w, (normal, eta), &self.motion(si));
-        self.counts.narrowed_columns += u64::from(next.columns.narrow());
         let cell = 1.0 / (self.sharing * bsdf.pdf_scatter(si.wo, sample.wi, mode).get());
-        next.columns.cell = blurred(&next.columns.cell, si.ng, sample.wi, cell);
+        match passage {
+            Passage::Facet { normal, eta } => {
+                let normal = if normal.dot(si.ns.as_dir()) < 0.0 { -normal } else { normal };
+                next.columns.turn(si, branch.w, (normal, eta), &self.motion(si));
+                self.counts.narrowed_columns += u64::from(next.columns.narrow());
+                next.columns.cell = blurred(&next.columns.cell, si.ng, sample.wi, cell);
+            }
+            Passage::Many => {
+                let cell = bounced(&next.columns.cell, si.ng, sample.wi, cell);
+                next.columns = next.columns.scattered(cell, &self.motion(si));
+            }
+        }
         next.leave(si, sample.wi, weight, share, q);
         next.chain = branch.chain + 1;
         self.go_on(si, &mut next);

@@ -21,7 +21,7 @@ use super::bsdfs::principled::{Parameters, Principled};
 use super::bsdfs::rough_conductor::RoughConductor;
 use super::bsdfs::rough_dielectric::RoughDielectric;
 use super::bsdfs::{Arrival, LocalDeltas};
-use super::event::{BsdfSample, DeltaBranch, DeltaBranches, Event, TransportMode};
+use super::event::{BsdfSample, DeltaBranch, DeltaBranches, Event, Passage, TransportMode};
 use super::interaction::Interaction;
 use super::microfacet::Ggx;
 use super::parametrisation::Lookup;
@@ -138,24 +138,31 @@ impl Bsdf {
     pub fn is_diffuse(&self) -> bool {
         self.has_scatter() && !self.is_glossy()
     }
-    /// The facet of a rough surface that sends light from `wo` to `wi`: its normal, and the ratio of indices
-    /// n_wo/n_wi if it refracts. `None` for other models, or where the two normals disagree.
-    pub fn facet(&self, wo: Dir3, wi: Dir3) -> Option<(Normal3, Option<f64>)> {
+    /// How a glossy surface sends light from `wo` to `wi`. `None` for other models, or where the two normals disagree.
+    pub fn passage(&self, wo: Dir3, wi: Dir3) -> Option<Passage> {
         let (side, local) = self.pair(wo, wi)?;
-        let eta = match &self.model {
-            Model::RoughDielectric(m) if local.z < 0.0 => Some(m.interface.eta(&side.arrival)),
-            Model::RoughDielectric(_) | Model::RoughConductor(_) => None,
-            Model::Principled(m) if !m.is_glossy() => return None,
-            // Straight through in the mean, whatever the facet.
-            Model::Principled(m) if local.z < 0.0 && m.is_thin() => {
-                return Some((Normal3::from_unit(self.frame.n), Some(1.0)));
-            }
-            Model::Principled(m) if local.z < 0.0 => Some(m.transmitted_eta(&side.arrival)),
-            Model::Principled(_) => None,
+        let arrival = &side.arrival;
+        let [single, more] = match &self.model {
+            Model::RoughDielectric(m) => m.parts(arrival, local),
+            Model::RoughConductor(m) => m.parts(arrival, local),
+            Model::Principled(m) if m.is_glossy() => m.parts(arrival, local),
             _ => return None,
         };
+        if more > single {
+            return Some(Passage::Many);
+        }
+        let eta = match &self.model {
+            Model::RoughDielectric(m) if local.z < 0.0 => Some(m.interface.eta(arrival)),
+            // Straight through in the mean, whatever the facet.
+            Model::Principled(m) if local.z < 0.0 && m.is_thin() => {
+                return Some(Passage::Facet { normal: Normal3::from_unit(self.frame.n), eta: Some(1.0) });
+            }
+            Model::Principled(m) if local.z < 0.0 => Some(m.transmitted_eta(arrival)),
+            _ => None,
+        };
         // [Walter07 (16)]; for a mirroring facet the ratio is 1.
-        Some((Normal3::new(wo * eta.unwrap_or(1.0) + wi.to_vec())?, eta))
+        let normal = Normal3::new(wo * eta.unwrap_or(1.0) + wi.to_vec())?;
+        Some(Passage::Facet { normal, eta })
     }
 
     /// Whether there is a delta lobe: a mirror, a smooth interface or coat.
@@ -334,7 +341,7 @@ impl Bsdf {
         let local = match &self.model {
             Model::Lambert(m) => m.sample(u),
             Model::RoughDielectric(m) => m.sample(arrival, uc, u),
-            Model::RoughConductor(m) => m.sample(arrival, u),
+            Model::RoughConductor(m) => m.sample(arrival, uc, u),
             Model::Plastic(m) => m.sample(u),
             Model::Principled(m) => m.sample(arrival, uc, u),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => None,

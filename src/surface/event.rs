@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use crate::math::Dir3;
+use crate::math::{Dir3, Normal3};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum};
 
 /// What is transported along the path being built [Veach97 4.7].
@@ -29,6 +29,15 @@ impl Event {
     pub fn is_delta(&self) -> bool {
         !matches!(self, Event::Scatter { .. })
     }
+}
+
+/// How a glossy surface sends light from one direction to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Passage {
+    /// Over one facet with this normal, which refracts if it has a ratio of indices `eta` = n_wo/n_wi.
+    Facet { normal: Normal3, eta: Option<f64> },
+    /// Mostly over more than one: whence the light came says no more about whither it goes than at a diffuse surface.
+    Many,
 }
 
 /// A sampled direction.

@@ -11,7 +11,7 @@ use crate::math::Vec3;
 use crate::sampling::warp::Warp;
 
 /// Cells along the cube root of the GGX width, and along that of the cosine: both bend most at their small ends.
-const CELLS: usize = 48;
+pub(super) const CELLS: usize = 48;
 /// Points of a Fibonacci lattice over the square that facets are drawn from, and its generator.
 const LATTICE: [usize; 2] = [1597, 987];
 /// By how much [`albedo`] may be too small: most at grazing on narrow facets.
@@ -69,8 +69,13 @@ fn mix(a: Pair, b: Pair, x: f64) -> Pair {
 
 /// The cell of a root in [0, 1], and where in it.
 fn cell(root: f64) -> (usize, f64) {
-    let x = root.min(1.0) * CELLS as f64;
-    let i = (x as usize).min(CELLS - 1);
+    cell_of(CELLS, root)
+}
+
+/// The same of so many cells.
+pub(super) fn cell_of(cells: usize, root: f64) -> (usize, f64) {
+    let x = root.min(1.0) * cells as f64;
+    let i = (x as usize).min(cells - 1);
     (i, x - i as f64)
 }
 
@@ -92,8 +97,8 @@ impl Table {
 }
 
 /// ∫ E 6 s⁵ ds over s = ∛μ with E linear in each cell.
-fn mean(row: &[Pair; CELLS + 1]) -> Pair {
-    let mut sum = [0.0; 2];
+pub(super) fn mean<const K: usize>(row: &[[f64; K]; CELLS + 1]) -> [f64; K] {
+    let mut sum = [0.0; K];
     for j in 0..CELLS {
         let [a, b] = [j, j + 1].map(|j| j as f64 / CELLS as f64);
         let (sixth, seventh) = (b.powi(6) - a.powi(6), 6.0 / 7.0 * (b.powi(7) - a.powi(7)));
@@ -103,21 +108,35 @@ fn mean(row: &[Pair; CELLS + 1]) -> Pair {
     sum
 }
 
-/// By a lattice rule over the square of visible facets: their weight is G₂/G₁, where what they send stays above.
-fn pair(cos: f64, alpha: f64, [points, generator]: [usize; 2]) -> Pair {
+/// Over visible facets: their weight is G₂/G₁, where what they send stays above.
+fn pair(cos: f64, alpha: f64, lattice: [usize; 2]) -> Pair {
     let facets = Ggx::new(alpha);
-    let w = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
-    let visible = facets.visible(w);
-    let mut sum = [0.0; 2];
-    for k in 0..points {
-        let u = [k, k * generator % points].map(|i| (i as f64 + 0.5) / points as f64);
-        let m = visible.sample(u).to_vec();
+    mean_of_facets(facets, cos, lattice, |w, m| {
         let across = w.dot(m);
         let wi = 2.0 * across * m - w;
-        if wi.z > 0.0 {
-            let weight = facets.g2_reflection(w, wi) / facets.g1(w);
-            sum = [sum[0] + weight, sum[1] + weight * schlick_weight(across)];
+        if wi.z <= 0.0 {
+            return [0.0; 2];
         }
+        let weight = facets.g2_reflection(w, wi) / facets.g1(w);
+        [weight, weight * schlick_weight(across)]
+    })
+}
+
+/// The mean of `g` over the facets that a direction `w` of cosine `cos` sees, by a lattice rule over the square that
+/// they are drawn from.
+pub(super) fn mean_of_facets<const K: usize>(
+    facets: Ggx,
+    cos: f64,
+    [points, generator]: [usize; 2],
+    g: impl Fn(Vec3, Vec3) -> [f64; K],
+) -> [f64; K] {
+    let w = Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+    let visible = facets.visible(w);
+    let mut sum = [0.0; K];
+    for k in 0..points {
+        let u = [k, k * generator % points].map(|i| (i as f64 + 0.5) / points as f64);
+        let one = g(w, visible.sample(u).to_vec());
+        sum = std::array::from_fn(|k| sum[k] + one[k]);
     }
     sum.map(|s| s / points as f64)
 }

@@ -114,6 +114,14 @@ impl MipMap {
         (linear(uv) + Vec2::new(u[2], v[2]), footprint.map(linear))
     }
 
+    /// The steps of u and of v that move by a texel of the image.
+    pub fn texel_steps(&self) -> Vec2 {
+        let finest = &self.levels[0];
+        let texels = Vec2::new(finest.width as f64, finest.height as f64);
+        let [u, v] = self.placed(Vec2::ZERO, [Vec2::X, Vec2::Y]).1.map(|d| (d * texels).length());
+        Vec2::new(1.0 / u, 1.0 / v)
+    }
+
     /// The coarsest level on which the kernel still has a standard deviation of 1/√3 texels across: its covariance is
     /// minor/4 + RECONSTRUCTION − (r² − 1)/12 texels of the finest level, which must be r²/3 or more.
     fn level_for(&self, minor: f64) -> &Level {

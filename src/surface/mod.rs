@@ -5,6 +5,7 @@ pub mod bsdf;
 mod bsdfs;
 pub mod event;
 pub mod facet_albedo;
+pub mod facet_loss;
 pub mod fresnel;
 pub mod interaction;
 pub mod microfacet;
@@ -17,7 +18,7 @@ pub mod texture;
 mod triangle;
 
 pub use bsdf::Bsdf;
-pub use event::{BsdfSample, DeltaBranch, DeltaBranches, Event, TransportMode};
+pub use event::{BsdfSample, DeltaBranch, DeltaBranches, Event, Passage, TransportMode};
 pub use interaction::Interaction;
 pub use parametrisation::Lookup;
 pub use rest::ToRest;

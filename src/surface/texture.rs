@@ -1,9 +1,11 @@
 //! Texture lookups.
 
 use super::mipmap::MipMap;
+use super::normal_map::Image;
 use super::parametrisation::Lookup;
+use crate::math::Vec2;
 use crate::radiometry::Spectrum;
-use crate::scene::{ImageTexture, Textured};
+use crate::scene::{ImageTexture, TextureId, Textured};
 
 /// All image textures of a scene, prepared once and shared by every thread.
 #[derive(Clone, Debug)]
@@ -22,6 +24,20 @@ impl Textures {
         match value {
             Textured::Constant(c) => *c,
             Textured::Image { texture, factor } => *factor * self.maps[texture.index()].filtered(at.uv, at.footprint),
+        }
+    }
+
+    /// An image at a point without a filter, and how it changes there: central differences over half a texel, between
+    /// which it is all but linear.
+    pub fn with_slopes(&self, texture: TextureId, uv: Vec2) -> Image {
+        let map = &self.maps[texture.index()];
+        let at = |uv: Vec2| map.filtered(uv, [Vec2::ZERO; 2]);
+        let steps = map.texel_steps() * 0.25;
+        let slope = |step: Vec2, length: f64| (at(uv + step) - at(uv - step)) * (0.5 / length);
+        Image {
+            colour: at(uv),
+            du: slope(Vec2::new(steps.x, 0.0), steps.x),
+            dv: slope(Vec2::new(0.0, steps.y), steps.y),
         }
     }
 

@@ -3,6 +3,7 @@
 use pdembree::math::{Dir3, Normal3, Vec3};
 use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::{Material, Textured};
+use pdembree::surface::facet_loss::Loss;
 use pdembree::surface::{Bsdf, Event, TransportMode};
 
 use crate::support::bsdf::{
@@ -128,24 +129,33 @@ fn smooth_and_diffuse_furnaces_close_exactly() {
     }
 }
 
-/// One bounce among the facets loses what would meet a second one, so never more than 1 comes back.
+/// With light that meets more than one facet a white furnace closes at every roughness, but for what the tables keep back.
 #[test]
-fn rough_furnaces_stay_below_one() {
-    for alpha in [0.1, 0.4, 1.0] {
-        for cos in [-1.0, -0.3, 0.2, 0.6, 1.0] {
+fn rough_furnaces_close() {
+    let white =
+        |metalness, transmission, alpha, thin| principled([1.0; 3], [metalness, transmission, alpha, 1.5], thin);
+    for roughness in [0.1f64, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0] {
+        let alpha = roughness * roughness;
+        let all = [
+            rough_glass(1.5, alpha),
+            rough_glass(0.7, alpha),
+            perfect_metal(alpha),
+            white(1.0, 0.0, alpha, false),
+            white(0.0, 1.0, alpha, true),
+        ];
+        for cos in [-1.0, -0.6, -0.1, 0.3, 0.8] {
             let wo = direction(cos, 0.4);
-            let all = [rough_glass(1.5, alpha), rough_glass(0.7, alpha), perfect_metal(alpha)];
-            for material in all {
-                let total = furnace(&flat(&material), wo, TransportMode::Importance);
-                assert!(total > 0.0 && total < 1.0 + FURNACE_ERROR, "{material:?} at {cos}: {total}");
+            for material in &all {
+                let total = furnace(&flat(material), wo, TransportMode::Importance);
+                assert!(total > 0.98 && total < 1.0 + FURNACE_ERROR, "{material:?} at {cos}: {total}");
             }
         }
     }
 }
 
-/// Everything white: smooth facets over a base lose nothing, and rough ones only what a second bounce would bring.
+/// Everything white: smooth facets over a base lose nothing, and rough ones only what the tables keep back.
 #[test]
-fn principled_furnaces_are_never_above_one() {
+fn principled_furnaces_close() {
     let white = [1.0; 3];
     for (metalness, transmission, thin) in
         [(0.0, 0.0, false), (1.0, 0.0, false), (0.0, 1.0, true), (0.0, 1.0, false), (0.4, 0.5, true), (0.3, 0.0, false)]
@@ -164,23 +174,22 @@ fn principled_furnaces_are_never_above_one() {
                 assert!((smooth - 1.0).abs() < FURNACE_ERROR, "{context}: {smooth}");
                 for alpha in [0.1, 1.0] {
                     let rough = total(alpha);
-                    assert!(rough > 0.0 && rough < 1.0 + FURNACE_ERROR, "{context} alpha {alpha}: {rough}");
+                    assert!(rough > 0.98 && rough < 1.0 + FURNACE_ERROR, "{context} alpha {alpha}: {rough}");
                 }
             }
         }
     }
 }
 
-/// What the base is left with is what the facets do not return: together all, but for the table's error, and for light
-/// that meets more than one facet, which is none of it on narrow ones.
+/// What the base is left with is what the facets do not return: together all, but for the table's error.
 #[test]
 fn a_white_coated_base_loses_no_more_than_its_table_errs() {
-    for alpha in [0.02, 0.3, 1.0] {
+    for roughness in [0.1f64, 0.3, 0.5, 0.7, 0.85, 1.0] {
         for cos in [0.1, 0.4, 1.0] {
             let wo = direction(cos, 0.4);
-            let total =
-                furnace(&flat(&principled([1.0; 3], [0.0, 0.0, alpha, 1.5], false)), wo, TransportMode::Radiance);
-            assert!(total > 0.975, "alpha {alpha} cos {cos}: {total}");
+            let material = principled([1.0; 3], [0.0, 0.0, roughness * roughness, 1.5], false);
+            let total = furnace(&flat(&material), wo, TransportMode::Radiance);
+            assert!(total > 0.98, "roughness {roughness} cos {cos}: {total}");
         }
     }
 }
@@ -191,7 +200,8 @@ fn perfect_metal(alpha: f64) -> Material {
 }
 
 /// From straight above all facets are visible, the part P = T²/(α² + T²) of them with a slope below T, and light that
-/// meets a slope tan θ leaves at 2θ, where G₁ of it gets out. For α = 1 the integral of G₁ over P is 1 − ln 2.
+/// meets a slope tan θ leaves at 2θ, where G₁ of it gets out. For α = 1 the integral of G₁ over P is 1 − ln 2. What comes
+/// out after more bounces is the table's loss, all of it.
 #[test]
 fn a_rough_metal_from_above_returns_what_its_masking_lets_out() {
     for alpha in [0.05f64, 0.1, 0.4, 1.0] {
@@ -204,11 +214,12 @@ fn a_rough_metal_from_above_returns_what_its_masking_lets_out() {
                 if leaving.cos() > 0.0 { seen / f64::from(cells) } else { 0.0 }
             })
             .sum();
-        let total = furnace(&flat(&perfect_metal(alpha)), direction(1.0, 0.0), TransportMode::Radiance);
-        // k = 1e6 absorbs 4/k.
-        assert!((total - expected).abs() < FURNACE_ERROR + 4e-6, "alpha {alpha}: {total}, not {expected}");
+        let total = furnace(&flat(&perfect_metal(alpha)), direction(1.0, 0.0), TransportMode::Radiance)
+            - Loss::of_mirrors(alpha).at(1.0);
+        // k = 1e6 absorbs 4/k, and once more with each bounce.
+        assert!((total - expected).abs() < FURNACE_ERROR + 2e-5, "alpha {alpha}: {total}, not {expected}");
         if alpha == 1.0 {
-            assert!((total - (1.0 - 2f64.ln())).abs() < FURNACE_ERROR + 4e-6);
+            assert!((total - (1.0 - 2f64.ln())).abs() < FURNACE_ERROR + 2e-5);
         }
     }
 }

@@ -8,6 +8,7 @@ pub mod conductor;
 pub mod dielectric;
 pub mod lambert;
 pub mod mirror;
+pub mod multiple;
 pub mod plastic;
 pub mod principled;
 pub mod rough_conductor;

@@ -3,18 +3,19 @@
 //! With metalness m and transmission t the surface is m metal + (1 − m)((1 − t) coated + t glass), all of the same facets:
 //! GGX of one width, or smooth, when everything that they do is a delta lobe.
 //!
-//! - Metal: Schlick's reflectance from the base colour c.
+//! - Metal: Schlick's reflectance from the base colour c, and a lobe of the light that meets more than one facet.
 //! - Coated: a dielectric's reflectance over a diffuse base, f = c T(wo) T(wi) / (π T̄), where T is what the facets do not
 //!   return of a direction's light and T̄ its mean over the hemisphere: reciprocal, and with c = 1 nothing is lost or
-//!   gained but what a second bounce among the facets would bring.
+//!   gained: what the facets lose of the light on its way goes to the base.
 //! - Glass: an interface with Fresnel's reflectance whose transmitted light is coloured by c at each crossing, or a sheet
-//!   without thickness.
+//!   without thickness; with such a lobe, too.
 //! - Where it covers only a part of what a point stands for, the rest of the light goes straight on.
 
 use std::f64::consts::FRAC_1_PI;
 
 use super::dielectric::Dielectric;
 use super::lambert::{cosine_pdf, sample_cosine};
+use super::multiple::Multiple;
 use super::rough_conductor::reflected;
 use super::rough_dielectric::RoughDielectric;
 use super::thin_glass::ThinGlass;
@@ -22,7 +23,7 @@ use super::{Arrival, LocalDelta, LocalDeltas, mirrored};
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;
 use crate::sampling::warp::Warp;
-use crate::surface::facet_albedo::{self, schlick};
+use crate::surface::facet_albedo::{self, schlick, smooth_diffuse_albedo};
 use crate::surface::fresnel;
 use crate::surface::microfacet::Ggx;
 
@@ -196,6 +197,10 @@ impl Principled {
             let m = (wo + wi).normalize();
             let shape = facets.d(m) * facets.g2_reflection(wo, wi) / (4.0 * wo.z * wi.z);
             f += self.facet_reflectance(wo.dot(m).clamp(0.0, 1.0)) * shape;
+            if let Some(multiple) = self.among_metal(facets) {
+                let colour = multiple.coloured(self.colour.map(smooth_diffuse_albedo));
+                f += colour * (self.metalness * multiple.f(wo, wi));
+            }
         }
         if self.glass() > 0.0 {
             let tint = if wi.z > 0.0 { Spectrum::ONE } else { self.colour };
@@ -206,6 +211,14 @@ impl Principled {
             f += glass * tint * self.glass();
         }
         f
+    }
+
+    fn among_metal(&self, facets: Ggx) -> Option<Multiple> {
+        Multiple::among_mirrors(facets).filter(|_| self.metalness > 0.0)
+    }
+    /// The probability that what the facets of metal and coat send on is light that met more than one.
+    fn metal_share(&self, multiple: Option<&Multiple>, wo: Vec3) -> f64 {
+        multiple.map_or(0.0, |multiple| multiple.share(wo) * self.metalness / (self.metalness + self.coated()))
     }
 
     /// In proportion to what each lobe sends on, as far as the mean facet tells.
@@ -224,22 +237,29 @@ impl Principled {
     }
 
     pub fn pdf(&self, arrival: &Arrival, wi: Vec3) -> f64 {
+        let base = self.choice(arrival).map_or(0.0, |choice| choice.base * cosine_pdf(wi));
+        base + self.parts(arrival, wi).iter().sum::<f64>()
+    }
+    /// The parts of the facets' density, of one event and of more.
+    pub fn parts(&self, arrival: &Arrival, wi: Vec3) -> [f64; 2] {
         let wo = arrival.wo;
-        let Some(choice) = self.choice(arrival) else { return 0.0 };
-        let mut pdf = choice.base * cosine_pdf(wi);
-        let Some(facets) = self.facets else { return pdf };
+        let (Some(choice), Some(facets)) = (self.choice(arrival), self.facets) else { return [0.0; 2] };
+        let mut parts = [0.0; 2];
         if wi.z > 0.0 {
             let m = (wo + wi).normalize();
-            pdf += choice.facets * facets.visible_pdf(wo, m) / (4.0 * wo.dot(m));
+            let multiple = self.among_metal(facets);
+            let share = self.metal_share(multiple.as_ref(), wo);
+            parts[0] = choice.facets * (1.0 - share) * facets.visible_pdf(wo, m) / (4.0 * wo.dot(m));
+            parts[1] = choice.facets * share * multiple.map_or(0.0, |multiple| multiple.pdf(wi));
         }
         if choice.glass > 0.0 {
-            pdf += choice.glass
-                * match self.thin {
-                    true => ThinGlass { f0: self.f0(), facets }.pdf(arrival, wi),
-                    false => RoughDielectric { interface: self.interface(), facets }.pdf(arrival, wi),
-                };
+            let glass = match self.thin {
+                true => ThinGlass { f0: self.f0(), facets }.parts(arrival, wi),
+                false => RoughDielectric { interface: self.interface(), facets }.parts(arrival, wi),
+            };
+            parts = std::array::from_fn(|k| parts[k] + choice.glass * glass[k]);
         }
-        pdf
+        parts
     }
 
     pub fn sample(&self, arrival: &Arrival, uc: f64, u: [f64; 2]) -> Option<Vec3> {
@@ -247,6 +267,10 @@ impl Principled {
         let Some(facets) = self.facets.filter(|_| uc >= choice.base) else { return Some(sample_cosine(u)) };
         let left = uc - choice.base;
         if left < choice.facets {
+            let multiple = self.among_metal(facets);
+            if left < choice.facets * self.metal_share(multiple.as_ref(), arrival.wo) {
+                return multiple.map(|multiple| multiple.sample(1.0, u));
+            }
             let wi = reflected(arrival.wo, facets.visible(arrival.wo).sample(u).to_vec());
             return (wi.z > 0.0).then_some(wi);
         }

@@ -1,11 +1,11 @@
-//! An interface of GGX microfacets between two dielectrics, one event among them · `[Walter07]`, `[Heitz14]`.
+//! An interface of GGX microfacets between two dielectrics · `[Walter07]`, `[Heitz14]`.
 //!
-//! Values are those of flux carried from wo to wi (importance); radiance is scaled by [`super::super::Bsdf`], for all
-//! models in one place. Light that would meet a second facet is lost: a furnace shows less than 1 on wide distributions,
-//! never more.
+//! One event among the facets, and a lobe of the light that meets more of them. Values are those of flux carried from wo
+//! to wi (importance); radiance is scaled by [`super::super::Bsdf`], for all models in one place.
 
 use super::Arrival;
 use super::dielectric::Dielectric;
+use super::multiple::{self, Multiple};
 use super::rough_conductor::reflected;
 use crate::math::Vec3;
 use crate::radiometry::Spectrum;
@@ -30,22 +30,39 @@ struct Facet {
 
 impl RoughDielectric {
     pub fn f(&self, arrival: &Arrival, wi: Vec3) -> Spectrum {
+        let more = self.multiple(arrival).map_or(0.0, |multiple| multiple.f(arrival.wo, wi));
+        Spectrum::splat(self.single_f(arrival, wi) + more)
+    }
+    fn single_f(&self, arrival: &Arrival, wi: Vec3) -> f64 {
         let wo = arrival.wo;
-        let Some(facet) = self.facet(arrival, wi) else { return Spectrum::BLACK };
+        let Some(facet) = self.facet(arrival, wi) else { return 0.0 };
         // [Walter07 (20), (21)] with the Jacobian kept apart: what the facets seen from both sides send on, over the macroscopic cosines.
         let masking = if wi.z > 0.0 { self.facets.g2_reflection(wo, wi) } else { self.facets.g2_transmission(wo, wi) };
         let shape = self.facets.d(facet.m) * masking * facet.jacobian * wo.dot(facet.m) / (wo.z * wi.z).abs();
-        Spectrum::splat(facet.share * shape)
+        facet.share * shape
     }
 
     pub fn pdf(&self, arrival: &Arrival, wi: Vec3) -> f64 {
-        let Some(facet) = self.facet(arrival, wi) else { return 0.0 };
-        facet.share * self.facets.visible_pdf(arrival.wo, facet.m) * facet.jacobian
+        self.parts(arrival, wi).iter().sum()
+    }
+    /// The density's parts, of one event and of more.
+    pub fn parts(&self, arrival: &Arrival, wi: Vec3) -> [f64; 2] {
+        let single = self
+            .facet(arrival, wi)
+            .map_or(0.0, |facet| facet.share * self.facets.visible_pdf(arrival.wo, facet.m) * facet.jacobian);
+        multiple::mixed(self.multiple(arrival).as_ref(), single, arrival.wo, wi)
+    }
+    fn multiple(&self, arrival: &Arrival) -> Option<Multiple> {
+        Multiple::of_interface(self.facets, self.interface.eta(arrival))
     }
 
     /// A visible facet, then reflection or refraction there by Fresnel's share, chosen with `uc`.
     pub fn sample(&self, arrival: &Arrival, uc: f64, u: [f64; 2]) -> Option<Vec3> {
         let wo = arrival.wo;
+        let uc = match multiple::choose(self.multiple(arrival).as_ref(), wo, uc, u) {
+            Ok(left) => left,
+            Err(wi) => return Some(wi),
+        };
         let m = self.facets.visible(wo).sample(u).to_vec();
         let eta = self.interface.eta(arrival);
         let cos = wo.dot(m).clamp(0.0, 1.0);
