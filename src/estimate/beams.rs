@@ -12,8 +12,8 @@ use crate::math::{Dir3, Point3, Vec3};
 use crate::medium::{HenyeyGreenstein, Profile};
 use crate::photon::Beam;
 use crate::photon::beam_map::{BeamMap, Piece};
-use crate::photon::footprint::TangentForm;
-use crate::photon::index::SlabRay;
+use crate::photon::footprint::{TangentForm, half_extents};
+use crate::photon::index::{OuterBox, SlabRay};
 use crate::radiometry::{Radiance, Spectrum};
 use crate::scene::settings::KernelShape;
 use crate::scene::{Medium, MediumId};
@@ -34,12 +34,20 @@ pub struct EyeSegment<'a> {
     pub bounces: u32,
 }
 
+impl EyeSegment<'_> {
+    /// The segment with its footprint around it, which reaches light whose own does not reach the ray.
+    pub(super) fn slab_ray(&self) -> SlabRay {
+        let [near, far] = [0.0, self.length].map(|s| half_extents(self.eye.map(|(dx, dw)| dx + dw * s)));
+        SlabRay::new(self.origin, self.w, self.length, near.max(far))
+    }
+}
+
 /// Beams less parallel to the ray than this are weighed; what is left out is a part of the same order of all directions.
 const LEAST_SINE: f64 = 1e-6;
 
 /// Light that beams bring to the start of the segment.
 pub fn radiance(map: &BeamMap, kernel: KernelShape, segment: &EyeSegment) -> Radiance {
-    let ray = SlabRay::new(segment.origin, segment.w, segment.length);
+    let ray = segment.slab_ray();
     Radiance(pulp::Arch::new().dispatch(Crossed { map, kernel, segment, ray: &ray }))
 }
 
@@ -87,7 +95,7 @@ pub struct Place<'a> {
 pub fn radiance_at(map: &BeamMap, kernel: KernelShape, place: &Place) -> Radiance {
     let phase = HenyeyGreenstein::new(place.medium.asymmetry);
     let mut sum = Spectrum::BLACK;
-    map.over(place.p, |beam, piece| {
+    map.over(OuterBox::new(place.p, half_extents(place.eye)), |beam, piece| {
         if beam.medium == place.id && beam.bounces <= place.bounces {
             sum += over(beam, piece, kernel, &phase, place);
         }

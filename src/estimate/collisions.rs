@@ -22,7 +22,7 @@ use crate::scene::settings::KernelShape;
 
 /// Light that collisions bring to the start of the segment.
 pub fn radiance(map: &CollisionMap, kernel: KernelShape, segment: &EyeSegment) -> Radiance {
-    let ray = SlabRay::new(segment.origin, segment.w, segment.length);
+    let ray = segment.slab_ray();
     Radiance(pulp::Arch::new().dispatch(Seen { map, kernel, segment, ray: &ray }))
 }
 

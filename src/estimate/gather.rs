@@ -11,6 +11,7 @@ use super::pair;
 use super::receivers::Receivers;
 use super::splat::{Part, Splat, Splatting};
 use crate::math::{Dir3, Normal3, Point3, Vec3};
+use crate::photon::footprint::half_extents;
 use crate::photon::index::{Boxes, Lanes, OuterBox, Visitor};
 use crate::photon::map::Stratum;
 use crate::photon::{Photon, PhotonMap};
@@ -38,9 +39,7 @@ pub struct GatherPoint {
 impl GatherPoint {
     /// Around the point and its eye footprint.
     pub fn outer_box(&self) -> OuterBox {
-        let [a, b] = self.eye;
-        let along = |a: f64, b: f64| (a * a + b * b).sqrt();
-        OuterBox::new(self.p, Vec3::new(along(a.x, b.x), along(a.y, b.y), along(a.z, b.z)))
+        OuterBox::new(self.p, half_extents(self.eye))
     }
 }
 

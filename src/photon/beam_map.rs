@@ -6,7 +6,7 @@
 use super::beam::Beam;
 use super::index::{BoxTree, OuterBox, SlabRay};
 use super::order::ZCurve;
-use crate::math::{Bounds3, Point3};
+use crate::math::Bounds3;
 use crate::medium::Way;
 use crate::scene::Medium;
 
@@ -74,9 +74,9 @@ impl BeamMap {
         BeamMap { beams, pieces, tree }
     }
 
-    /// Leads `visit` to the pieces whose boxes hold the place.
-    pub fn over(&self, p: Point3, mut visit: impl FnMut(&Beam, &Piece)) {
-        self.tree.around(p, |i| self.show(i, &mut visit));
+    /// Leads `visit` to the pieces whose boxes overlap that of a place.
+    pub fn over(&self, place: OuterBox, mut visit: impl FnMut(&Beam, &Piece)) {
+        self.tree.around(place, |i| self.show(i, &mut visit));
     }
 
     /// Leads `visit` to the pieces whose boxes the ray meets: the beam, and which part of it is this piece's.

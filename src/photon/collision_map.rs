@@ -5,7 +5,7 @@ use super::collision::Collision;
 use super::footprint::Spread;
 use super::index::{BoxTree, OuterBox, SlabRay};
 use super::order::ZCurve;
-use crate::math::{Bounds3, Point3};
+use crate::math::{Bounds3, Point3, Vec3};
 use crate::sampling::Stream;
 use crate::scene::Medium;
 
@@ -54,6 +54,6 @@ impl CollisionMap {
 
     /// Leads `visit` to the collisions whose boxes hold the place.
     pub fn over(&self, p: Point3, mut visit: impl FnMut(&Collision)) {
-        self.tree.around(p, |i| visit(&self.collisions[i]));
+        self.tree.around(OuterBox::new(p, Vec3::ZERO), |i| visit(&self.collisions[i]));
     }
 }

@@ -147,6 +147,12 @@ pub fn footprint<const N: usize>(
     form.scaled(0.25 * scale * scale)
 }
 
+/// Half extents along the world's axes of the ellipse with these semi-axes.
+pub fn half_extents([a, b]: [Vec3; 2]) -> Vec3 {
+    let along = |a: f64, b: f64| (a * a + b * b).sqrt();
+    Vec3::new(along(a.x, b.x), along(a.y, b.y), along(a.z, b.z))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -70,12 +70,15 @@ pub struct SlabRay {
 const WIDENED: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 impl SlabRay {
-    pub fn new(origin: Point3, w: Dir3, length: f64) -> SlabRay {
+    /// Whose every place is the middle of a box with these half extents, m, zero for a ray as thin as it is: it meets what any
+    /// of these overlaps.
+    pub fn new(origin: Point3, w: Dir3, length: f64, half: Vec3) -> SlabRay {
         let inverse = w.to_vec().to_array().map(|c| (1.0 / if c.abs() < TINY { TINY } else { c }) as f32);
-        let origin = origin.to_vec().to_array();
+        let (origin, half) = (origin.to_vec().to_array(), half.to_array());
         let moved = |sign: f64| {
             array::from_fn(|k| {
-                let slack = origin[k].abs() * 4.0 * f64::from(f32::EPSILON) + f64::from(f32::MIN_POSITIVE);
+                // Moving the ray's sides towards a box is widening the box.
+                let slack = half[k] + origin[k].abs() * 4.0 * f64::from(f32::EPSILON) + f64::from(f32::MIN_POSITIVE);
                 (origin[k] + slack * sign * f64::from(inverse[k]).signum()) as f32
             })
         };
@@ -273,8 +276,8 @@ impl BoxTree {
         self.lead(&mut Along(ray, visit));
     }
 
-    /// Leads `visit` to the boxes that may hold the place, in their order.
-    pub fn around(&self, p: Point3, visit: impl FnMut(usize)) {
+    /// Leads `visit` to the boxes that may overlap the one around a place, in their order.
+    pub fn around(&self, place: OuterBox, visit: impl FnMut(usize)) {
         struct Around<F>(OuterBox, F);
         impl<F: FnMut(usize)> Visitor for Around<F> {
             fn enter(&mut self, _: usize, boxes: &Boxes) -> Lanes {
@@ -285,7 +288,7 @@ impl BoxTree {
                 ControlFlow::Continue(())
             }
         }
-        self.lead(&mut Around(OuterBox::new(p, Vec3::ZERO), visit));
+        self.lead(&mut Around(place, visit));
     }
 
     /// Whether one of the boxes overlaps `bounds`.
@@ -388,13 +391,14 @@ mod tests {
             let mut number = || 2.0 * s.uniform() - 1.0;
             let (origin, along) = (Point3::new(number(), number(), number()), Vec3::new(number(), number(), number()));
             let w = Dir3::new(if k % 3 == 0 { Vec3::X } else { along }).expect("a direction");
-            let ray = SlabRay::new(origin, w, 2.0);
+            let half = if k % 2 == 0 { Vec3::ZERO } else { Vec3::new(0.1, 0.0, 0.02) };
+            let ray = SlabRay::new(origin, w, 2.0, half);
             let mut met = Met(&ray, Vec::new());
             tree.lead(&mut met);
             assert!(met.1.windows(2).all(|w| w[0] < w[1]) && met.1.iter().all(|&i| i < n));
             for step in 0..2000 {
-                let p = OuterBox::new(origin + w * (f64::from(step) * 1e-3), Vec3::ZERO);
-                let within = |b: &OuterBox| (0..3).all(|k| b.lo[k] < p.lo[k] && p.hi[k] < b.hi[k]);
+                let p = OuterBox::new(origin + w * (f64::from(step) * 1e-3), half);
+                let within = |b: &OuterBox| (0..3).all(|k| b.lo[k] < p.hi[k] && p.lo[k] < b.hi[k]);
                 assert!((0..n).filter(|&i| within(&all[i])).all(|i| met.1.contains(&i)), "ray {k}, step {step}");
             }
         }

@@ -446,9 +446,12 @@ fn photons_and_eye_paths_agree_on_the_caustic_of_a_ball() {
     assert!(assert_agree(BALL, &PHOTON_MAP, &PATH, "caustic") > 0.01);
 }
 
+/// With footprints of their usual width a block at the edge of the caustic has 1.5 % too much light, with sixteen times as many
+/// photons 0.8 %, with narrow footprints none: the even samples of a pixel tell that from light paths.
 #[test]
 fn photons_and_light_paths_agree_on_the_caustic_of_a_ball() {
-    assert!(assert_agree(BALL, &PHOTON_MAP, &LIGHT, "caustic") > 0.01);
+    let narrow = BALL.replace("[render]", "[render]\nbandwidth = 1");
+    assert!(assert_blocks_agree(&[pictures(&narrow, &PHOTON_MAP), pictures(BALL, &LIGHT)], "caustic", BLOCK) > 0.01);
 }
 
 #[test]

@@ -51,7 +51,8 @@ irradiance = 1
 "#;
 
 /// A square beam falls through a wave of glass that goes 0.3 m across its crests, so that all of it always gets through. The
-/// camera looks under the wave at all of the caustic.
+/// camera looks under the wave at all of the caustic. With 16 samples of a pixel the sum of all of them has a standard error of
+/// 0.3 %, most of it at the folds.
 const WAVE: &str = r#"
 format = 1
 [camera]
@@ -63,7 +64,7 @@ width = 2.4
 resolution = [64, 26]
 shutter = [0, 1]
 [render]
-spp = 16
+spp = 64
 photons = 20000
 max_bounces = 0
 layers = ["caustic"]

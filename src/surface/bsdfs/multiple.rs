@@ -67,25 +67,33 @@ impl Multiple {
     }
 
     pub fn f(&self, wo: Vec3, wi: Vec3) -> f64 {
-        let (part, loss, mean) = match wi.z > 0.0 {
-            true => (1.0 - self.through, &self.here, self.mean_here),
-            false => (self.through, &self.there, self.mean_there),
-        };
+        let (part, loss, mean) = self.towards(wi);
         if part <= 0.0 {
             return 0.0;
         }
         part * self.here.at(wo.z) * loss.at(wi.z.abs()) / mean * FRAC_1_PI
     }
 
-    /// Even over the hemisphere of a side: grazing directions, of which most is lost, get the more.
+    /// Even over the hemisphere of a side, but for directions into which nothing comes out: grazing ones, of which most is
+    /// lost, get the more.
     pub fn pdf(&self, wi: Vec3) -> f64 {
-        (if wi.z > 0.0 { 1.0 - self.through } else { self.through }) / TAU
+        let (part, loss, _) = self.towards(wi);
+        if loss.at(wi.z.abs()) > 0.0 { part / TAU } else { 0.0 }
     }
 
-    /// `uc` chooses the side.
-    pub fn sample(&self, uc: f64, u: [f64; 2]) -> Vec3 {
+    /// `uc` chooses the side. `None` where nothing comes out.
+    pub fn sample(&self, uc: f64, u: [f64; 2]) -> Option<Vec3> {
         let up = UniformCone::from_cos(0.0).sample(u).to_vec();
-        if uc < self.through { -up } else { up }
+        let wi = if uc < self.through { -up } else { up };
+        (self.pdf(wi) > 0.0).then_some(wi)
+    }
+
+    /// The part of the light that goes to the side of `wi`, with L and L̄ of that side.
+    fn towards(&self, wi: Vec3) -> (f64, &Loss, f64) {
+        match wi.z > 0.0 {
+            true => (1.0 - self.through, &self.here, self.mean_here),
+            false => (self.through, &self.there, self.mean_there),
+        }
     }
 }
 
@@ -96,8 +104,8 @@ pub fn mixed(multiple: Option<&Multiple>, single: f64, wo: Vec3, wi: Vec3) -> [f
     [single * (1.0 - share), share * multiple.pdf(wi)]
 }
 
-/// Of those, which is drawn: `Ok` is the lobe of one event, with what is left of `uc`; else a direction of the other.
-pub fn choose(multiple: Option<&Multiple>, wo: Vec3, uc: f64, u: [f64; 2]) -> Result<f64, Vec3> {
+/// Of those, which is drawn: `Ok` is the lobe of one event, with what is left of `uc`; else a direction of the other, if any.
+pub fn choose(multiple: Option<&Multiple>, wo: Vec3, uc: f64, u: [f64; 2]) -> Result<f64, Option<Vec3>> {
     let Some(multiple) = multiple else { return Ok(uc) };
     let share = multiple.share(wo);
     if uc < share { Err(multiple.sample(uc / share, u)) } else { Ok(((uc - share) / (1.0 - share)).min(1.0)) }

@@ -269,7 +269,7 @@ impl Principled {
         if left < choice.facets {
             let multiple = self.among_metal(facets);
             if left < choice.facets * self.metal_share(multiple.as_ref(), arrival.wo) {
-                return multiple.map(|multiple| multiple.sample(1.0, u));
+                return multiple.and_then(|multiple| multiple.sample(1.0, u));
             }
             let wi = reflected(arrival.wo, facets.visible(arrival.wo).sample(u).to_vec());
             return (wi.z > 0.0).then_some(wi);

@@ -47,7 +47,7 @@ impl RoughConductor {
     }
     pub fn sample(&self, arrival: &Arrival, uc: f64, u: [f64; 2]) -> Option<Vec3> {
         if let Err(wi) = multiple::choose(self.multiple().as_ref(), arrival.wo, uc, u) {
-            return Some(wi);
+            return wi;
         }
         let m = self.facets.visible(arrival.wo).sample(u).to_vec();
         let wi = reflected(arrival.wo, m);

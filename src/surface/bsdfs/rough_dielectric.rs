@@ -61,7 +61,7 @@ impl RoughDielectric {
         let wo = arrival.wo;
         let uc = match multiple::choose(self.multiple(arrival).as_ref(), wo, uc, u) {
             Ok(left) => left,
-            Err(wi) => return Some(wi),
+            Err(wi) => return wi,
         };
         let m = self.facets.visible(wo).sample(u).to_vec();
         let eta = self.interface.eta(arrival);

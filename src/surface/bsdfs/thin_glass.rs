@@ -42,7 +42,7 @@ impl ThinGlass {
         let wo = arrival.wo;
         let uc = match multiple::choose(self.multiple().as_ref(), wo, uc, u) {
             Ok(left) => left,
-            Err(wi) => return Some(wi),
+            Err(wi) => return wi,
         };
         let m = self.facets.visible(wo).sample(u).to_vec();
         let wi = reflected(wo, m);
