@@ -5,13 +5,11 @@ use super::bounds::{LightBounds, Receiver};
 use super::select::LightChoice;
 use crate::math::Bounds3;
 use crate::radiometry::Pmf;
+use crate::sampling::discrete::BELOW_ONE;
 use crate::scene::LightId;
 
 /// Parts of an axis between which halves are parted.
 const BUCKETS: usize = 12;
-/// The largest `f64` below 1, so that a reused number stays in [0, 1).
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
     /// The place of the first half; the other is behind it.

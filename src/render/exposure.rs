@@ -46,6 +46,7 @@ pub fn expose(
         camera: &job.camera,
         pass,
         settings,
+        pattern: PixelPattern::new(settings.spp),
         tracer: EyePathTracer {
             world,
             task,
@@ -87,6 +88,7 @@ struct Exposure<'a> {
     camera: &'a Camera,
     pass: u32,
     settings: &'a RenderSettings,
+    pattern: PixelPattern,
     tracer: EyePathTracer<'a>,
     photons: Option<&'a PhotonLight<'a>>,
 }
@@ -98,10 +100,9 @@ impl Exposure<'_> {
         let mut queries = Vec::new();
         // Which sample each query belongs to.
         let mut owners = Vec::new();
-        let pattern = PixelPattern::new(self.settings.spp);
         for y in bounds.y0..bounds.y1 {
             for x in bounds.x0..bounds.x1 {
-                let pixel = pattern.of(self.settings.seed, self.pass, self.number(x, y));
+                let pixel = self.pattern.of(self.settings.seed, self.pass, self.number(x, y));
                 for s in 0..self.settings.spp {
                     samples.push((x, y, self.eye_sample(x, y, s, &pixel, &mut queries)));
                     owners.resize(queries.len(), samples.len() - 1);

@@ -206,7 +206,7 @@ impl EyePathTracer<'_> {
             let caustics = self.world.scene.objects[si.object.index()].caustics;
             // What a glossy surface sends on to one that scatters is focused.
             if bsdf.is_glossy() && walk.bounces > 0 && !caustics.cast {
-                break;
+                return;
             }
             if bsdf.is_glossy() && walk.bounces > 0 && self.task.finds.leaves_focused() {
                 if self.task.part.is_none() {

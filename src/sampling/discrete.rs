@@ -7,7 +7,7 @@
 use crate::radiometry::Pmf;
 
 /// The largest `f64` below 1, so that a reused number stays in [0, 1).
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+pub const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// Sum of the weights if all are finite, none is negative and some is positive.
 fn sound_total(weights: &[f64]) -> Option<f64> {

@@ -7,6 +7,7 @@
 //! of its points would err to the same side: of a slope along one side of the square n points have the mean with an error
 //! of 1/(√12 n), and in rows of their own with 1/(√12 n^{3/2}).
 
+use super::discrete::BELOW_ONE;
 use super::qmc;
 use super::{Purpose, Stream};
 
@@ -98,7 +99,7 @@ impl PixelSamples<'_> {
         let cell = [column, self.pattern.rows[column as usize]];
         std::array::from_fn(|axis| {
             let moved = (u64::from(cell[axis]) + u64::from(self.shifts[k][axis])) % u64::from(n);
-            ((moved as f64 + offset[axis]) / f64::from(n)).min(1.0 - f64::EPSILON / 2.0)
+            ((moved as f64 + offset[axis]) / f64::from(n)).min(BELOW_ONE)
         })
     }
 }

@@ -199,11 +199,13 @@ impl EyePathTracer<'_> {
         let value = HenyeyGreenstein::new(regions.get(at.medium).asymmetry).between(walk.w, found.wi);
         let ray = at.shadow_ray(found.wi, found.distance);
         let Some(left) = self.world.transmittance(regions, &ray, walk.inside) else { return };
-        // As the phase function's own paths count it, wherever the light was chosen.
-        let chance = self.world.lights.pick_pmf(&Receiver { p: at.p, n: None }, choice.light);
         let weight = match found.pdf {
             None => 1.0,
-            Some(pdf) => power_heuristic((pdf * chance).get(), value),
+            Some(pdf) => {
+                // As the phase function's own paths count it, wherever the light was chosen.
+                let chance = self.world.lights.pick_pmf(&Receiver { p: at.p, n: None }, choice.light);
+                power_heuristic((pdf * chance).get(), value)
+            }
         };
         let weight = weight * self.part_of(walk, choice.light);
         let light = walk.beta * found.weight.0 * left * (value * weight / choice.pmf.0);
