@@ -2,17 +2,14 @@
 
 use std::time::Duration;
 
-use pdembree::render;
-use pdembree::render::progress::{Progress, Silent};
-use pdembree::render::rehearsal::Rehearsal;
 use pdembree::render::watch::Watch;
+use pdembree::render::{self, RenderState, first_pass};
 use pdembree::scene::settings::Method;
 use pdembree::world::World;
 
 use super::console::{Verbosity, note};
 use super::failure::{Failure, code};
 use super::progress::{duration, size};
-use super::signals::Signals;
 
 /// Splits passes whose photons would not fit into the memory for them.
 pub fn memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
@@ -47,43 +44,25 @@ pub fn memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
     }
 }
 
-/// Makes passes smaller of which not one would end within `left`; a small one tells how long they take.
-pub fn time(world: &mut World, left: Duration, signals: &Signals, verbosity: Verbosity) -> Result<(), Failure> {
-    let rehearsal =
-        Rehearsal::of_pass(world, &Unseen(signals)).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
-    let Some(rehearsal) = rehearsal else { return Ok(()) };
-    let Some(settings) = rehearsal.fit(&world.scene.settings, left) else { return Ok(()) };
-    let photons = match settings.method {
-        Method::Path => String::new(),
-        Method::PhotonMap | Method::LightTrace => format!("photons = {} and ", settings.photons),
-    };
-    let (pass, spp) = (duration(rehearsal.pass().as_secs_f64()), settings.spp);
-    let about = format!("a pass would take about {pass}; passes with {photons}spp = {spp} instead");
-    note(verbosity, "time", &about);
-    world.scene.settings = settings;
-    Ok(())
-}
-
-/// Tells nothing, and stops when a signal asked.
-struct Unseen<'a>(&'a Signals);
-
-impl Progress for Unseen<'_> {
-    fn phase(&self, name: &str, total: u64) {
-        Silent.phase(name, total);
+/// The first pass, and smaller passes from there on where a whole one would not end within `left`.
+pub fn time(
+    world: &mut World,
+    left: Duration,
+    watch: &dyn Watch,
+    verbosity: Verbosity,
+) -> Result<RenderState, Failure> {
+    let mut whole = None;
+    let first = first_pass::render(world, left, watch, |pass| _ = whole.get_or_insert(pass));
+    let (state, _) = first.map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
+    if let Some(whole) = whole {
+        let settings = &world.scene.settings;
+        let photons = match settings.method {
+            Method::Path => String::new(),
+            Method::PhotonMap | Method::LightTrace => format!("photons = {} and ", settings.photons),
+        };
+        let (pass, spp) = (duration(whole.as_secs_f64()), settings.spp);
+        let about = format!("a pass would take about {pass}; passes with {photons}spp = {spp} instead");
+        note(verbosity, "time", &about);
     }
-    fn advance(&self, n: u64) {
-        Silent.advance(n);
-    }
-    fn finish(&self) {
-        Silent.finish();
-    }
-    fn skip(&self, n: u64) {
-        Silent.skip(n);
-    }
-}
-
-impl Watch for Unseen<'_> {
-    fn stop(&self) -> bool {
-        self.0.stop_asked()
-    }
+    Ok(state)
 }

@@ -153,11 +153,8 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     let mut world = world(loaded.scene)?;
     reporter.finish();
     fit::memory(&mut world, args.keep.photon_memory, verbosity);
-    if let Some(limit) = args.until.time_limit.filter(|_| !is_a_part && args.keep.checkpoint.is_none()) {
-        fit::time(&mut world, limit.saturating_sub(start.elapsed()), &signals, verbosity)?;
-    }
-    let plan = Plan::new(args, &world, crew)?;
-    let info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
+    let mut plan = Plan::new(args, &world, crew)?;
+    let mut info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
     if let Some(part) = outputs.part().filter(|part| store::is_done(part, &info, &plan.assignment) && outputs.exist()) {
         reporter.end();
         note(verbosity, "done", &format!("{} was there already", part.display()));
@@ -174,7 +171,14 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
         Snapshot { path: snapshot_beside(&args.output.output), resolution: info.identity.resolution },
         verbosity,
     );
-    let ended = go_on_by_plan(&world, &mut state, &keeper, &plan, start)?;
+    let before = state.film.passes();
+    keeper.reporter.expect(&plan.budget, before);
+    if let Some(limit) = args.until.time_limit.filter(|_| !is_a_part && args.keep.checkpoint.is_none()) {
+        state = fit::time(&mut world, limit.saturating_sub(start.elapsed()), &keeper, verbosity)?;
+        plan = Plan::new(args, &world, crew)?;
+        info = store::identify(&world, &args.scene.scene, plan.wanted_passes);
+    }
+    let ended = go_on_by_plan(&world, &mut state, &keeper, &plan, before, start)?;
     keeper.save(&state).map_err(|error| rescued(error, &info, &state))?;
     if ended == Ended::Stopped {
         return stopped(&keeper, &state, verbosity);
@@ -201,14 +205,15 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     Ok(if missed { ExitCode::from(code::INCOMPLETE) } else { ExitCode::SUCCESS })
 }
 
+/// Passes are added to those that there were `before` this program began, and to those that it has added since `start`.
 fn go_on_by_plan(
     world: &World,
     state: &mut RenderState,
     keeper: &Keeper,
     plan: &Plan,
+    before: u32,
     start: Instant,
 ) -> Result<Ended, Failure> {
-    let before = state.film.passes();
     keeper.reporter.expect(&plan.budget, before);
     let wanted = |state: &RenderState| {
         keeper.reporter.pass(state.film.passes(), plan.budget.enough(state));

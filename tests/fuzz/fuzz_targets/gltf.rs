@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| pdembree_fuzz::bounded(bytes.len(), || {
     match pdembree::import::gltf::parse(Path::new("m.gltf"), bytes) {
         Ok(scene) => {
             for described in &scene.meshes {
@@ -13,4 +13,4 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         }
         Err(problems) => assert!(!problems.is_empty()),
     }
-});
+}));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pdembree::import::obj::{Wanted, parse};
 
-libfuzzer_sys::fuzz_target!(|text: &str| {
+libfuzzer_sys::fuzz_target!(|text: &str| pdembree_fuzz::bounded(text.len(), || {
     for normals in [false, true] {
         match parse(Path::new("/nonexistent/m.obj"), text, Wanted { normals, materials: true }) {
             Ok(file) => {
@@ -16,4 +16,4 @@ libfuzzer_sys::fuzz_target!(|text: &str| {
             Err(problems) => assert!(!problems.is_empty()),
         }
     }
-});
+}));

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-libfuzzer_sys::fuzz_target!(|text: &str| {
+libfuzzer_sys::fuzz_target!(|text: &str| pdembree_fuzz::bounded(text.len(), || {
     for lenient in [false, true] {
         match pdembree::import::pbrt::parse(Path::new("/nonexistent/s.pbrt"), text, lenient) {
             Ok(scene) => {
@@ -15,4 +15,4 @@ libfuzzer_sys::fuzz_target!(|text: &str| {
             Err(problems) => assert!(!problems.is_empty()),
         }
     }
-});
+}));

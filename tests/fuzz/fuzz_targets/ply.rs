@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| pdembree_fuzz::bounded(bytes.len(), || {
     match pdembree::import::ply::parse(Path::new("m.ply"), bytes, true) {
         Ok(file) => {
             let count = file.mesh.positions.len() as u32;
@@ -11,4 +11,4 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         }
         Err(problems) => assert!(!problems.is_empty()),
     }
-});
+}));

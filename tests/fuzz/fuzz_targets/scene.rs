@@ -3,8 +3,8 @@
 
 use std::path::Path;
 
-libfuzzer_sys::fuzz_target!(|text: &str| {
+libfuzzer_sys::fuzz_target!(|text: &str| pdembree_fuzz::bounded(text.len(), || {
     if let Err(problems) = pdembree::import::load_text(Path::new("/nonexistent/scene.toml"), text, &[]) {
         assert!(!problems.is_empty());
     }
-});
+}));
