@@ -12,6 +12,7 @@ use crate::math::{Dir3, Ray};
 use crate::medium::{LostCount, Regions};
 use crate::sampling::Stream;
 use crate::scene::Scene;
+use crate::scene::texture::TextureError;
 use crate::shape::Parametrisation;
 use crate::surface::{Bsdf, Interaction, Lookup, Textures, normal_map};
 
@@ -23,6 +24,8 @@ pub use flight::{Flown, MediumPoint};
 pub enum WorldError {
     #[error(transparent)]
     Backend(#[from] BackendError),
+    #[error(transparent)]
+    Textures(#[from] TextureError),
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Lights(Vec<LightError>),
 }
@@ -50,6 +53,7 @@ impl World {
         let backend = backend::build(scene.settings.backend, &scene)?;
         let lights = Lights::new(&scene).map_err(WorldError::Lights)?;
         let textures = Textures::new(&scene.textures);
+        textures.check()?;
         let regions = Regions::new(&scene);
         let casters = Casters::new(&scene);
         let aim = casters.as_ref().map(|casters| casters.whole);

@@ -8,6 +8,7 @@ use pdembree::output::sidecar::{Phase, RefusedSamples, SCHEMA};
 use pdembree::output::{BirthCertificate, PartInfo};
 use pdembree::photon::PhotonCounts;
 use pdembree::render::RenderState;
+use pdembree::scene::texture::TextureReport;
 use serde::Serialize;
 
 use super::memory;
@@ -18,6 +19,7 @@ pub struct Circumstances {
     pub seconds: f64,
     pub phases: Vec<Phase>,
     pub warnings: Vec<String>,
+    pub textures: Option<TextureReport>,
 }
 
 pub fn certificate(
@@ -65,6 +67,7 @@ pub fn certificate(
         render_seconds: report.seconds,
         phases: circumstances.phases,
         peak_memory_bytes: memory::peak(),
+        textures: circumstances.textures,
         parts: None,
     }
 }

@@ -8,8 +8,9 @@ use pdembree::scene::settings::Method;
 use pdembree::world::World;
 
 use super::console::{Verbosity, note};
-use super::failure::{Failure, code};
+use super::failure::Failure;
 use super::progress::{duration, size};
+use super::work::render_failure;
 
 /// Splits passes whose photons would not fit into the memory for them.
 pub fn memory(world: &mut World, limit: Option<u64>, verbosity: Verbosity) {
@@ -53,7 +54,7 @@ pub fn time(
 ) -> Result<RenderState, Failure> {
     let mut whole = None;
     let first = first_pass::render(world, left, watch, |pass| _ = whole.get_or_insert(pass));
-    let (state, _) = first.map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))?;
+    let (state, _) = first.map_err(|error| render_failure(&error))?;
     if let Some(whole) = whole {
         let settings = &world.scene.settings;
         let photons = match settings.method {

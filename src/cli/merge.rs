@@ -45,7 +45,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let warnings: Vec<String> = missing.into_iter().chain(told).collect();
     warnings.iter().for_each(|warning| note(verbosity, "warning", warning));
     let seconds = start.elapsed().as_secs_f64();
-    let circumstances = Circumstances { threads: 1, seconds, phases: Vec::new(), warnings };
+    let circumstances = Circumstances { threads: 1, seconds, phases: Vec::new(), warnings, textures: None };
     let certificate = BirthCertificate { parts: Some(parts), ..certificate(&info, &state, &picture, circumstances) };
     outputs.write(&info, &state, &picture, &certificate, &Silent).map_err(|error| rescued(error, &info, &state))?;
     let passes = state.film.passes();

@@ -50,6 +50,7 @@ pub fn run(args: &Args, verbosity: Verbosity) -> Result<ExitCode, Failure> {
     let reporter = args.work.reporter(verbosity);
     let world = world(loaded.scene)?;
     let map = shoot_all(&world, 0, &reporter);
+    world.textures.check().map_err(|error| Failure::new(code::FAILED, error.to_string()))?;
     reporter.phase("write", 1);
     let dumped: Vec<DumpedPhoton> = map.photons.iter().step_by(args.every.get()).map(dump).collect();
     photon_dump::write(&args.output, &dumped, args.segments.into())?;

@@ -29,7 +29,7 @@ use super::outputs::{OutputArgs, Outputs, rescued, snapshot_beside};
 use super::progress::{Mode, duration};
 use super::scene::SceneArgs;
 use super::signals::Signals;
-use super::work::{WorkArgs, world};
+use super::work::{WorkArgs, render_failure, world};
 
 /// Render a scene into a picture
 ///
@@ -190,8 +190,9 @@ fn render(args: &Args, verbosity: Verbosity, crew: &dyn Crew) -> Result<ExitCode
     found.extend(told);
     let warnings = loaded.warnings.iter().map(ToString::to_string).chain(found.iter().cloned()).collect();
     let seconds = start.elapsed().as_secs_f64();
-    let certificate =
-        certificate(&info, &state, &picture, Circumstances { threads, seconds, phases: reporter.phases(), warnings });
+    let textures = world.textures.report();
+    let circumstances = Circumstances { threads, seconds, phases: reporter.phases(), warnings, textures };
+    let certificate = certificate(&info, &state, &picture, circumstances);
     outputs.write(&info, &state, &picture, &certificate, &reporter).map_err(|error| rescued(error, &info, &state))?;
     let trouble = keeper.close_viewer(picture);
     reporter.end();
@@ -219,7 +220,7 @@ fn go_on_by_plan(
         keeper.reporter.pass(state.film.passes(), plan.budget.enough(state));
         plan.budget.wants_more(state, start.elapsed(), state.film.passes() - before)
     };
-    go_on(world, state, keeper, wanted).map_err(|error| Failure::new(code::BAD_DATA, error.to_string()))
+    go_on(world, state, keeper, wanted).map_err(|error| render_failure(&error))
 }
 
 /// What is to be rendered, and until when.

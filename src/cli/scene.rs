@@ -6,16 +6,16 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use pdembree::import::{self, Loaded, Override};
-use pdembree::scene::GroupLayer;
 use pdembree::scene::settings::{
     BackendKind, BounceFootprint, Caustics, EmissionPattern, Estimator, FootprintRule, Guiding, Indirect, KernelShape,
     Layer, Method,
 };
 use pdembree::scene::spelling::nearest;
+use pdembree::scene::{GroupLayer, TextureMemory};
 
 use super::console::Verbosity;
 use super::failure::Failure;
-use super::number::{count, finite, small_count};
+use super::number::{bytes, count, finite, small_count};
 use super::problems;
 
 #[derive(clap::Args)]
@@ -34,6 +34,10 @@ pub struct SceneArgs {
     /// Show this variant of a glTF file's materials
     #[arg(long, value_name = "NAME")]
     variant: Option<String>,
+    /// Memory for textures: what finds no room in it lies in tiles in a temporary file, and no pixel changes. Suffixes K, M, G for
+    /// powers of 1024 [default: 2G]
+    #[arg(long, env = "PDEMBREE_TEXTURE_MEMORY", value_name = "BYTES", value_parser = bytes)]
+    texture_memory: Option<u64>,
     #[command(flatten)]
     settings: SettingsArgs,
 }
@@ -200,9 +204,16 @@ impl SceneArgs {
         [self.define.clone(), chosen.into_iter().flatten().collect(), self.settings.overrides()].concat()
     }
 
+    /// Those that say how a task works and not what it renders.
+    pub fn working_arguments(&self) -> Vec<String> {
+        self.texture_memory.map_or_else(Vec::new, |bytes| vec!["--texture-memory".to_owned(), bytes.to_string()])
+    }
+
     /// Reads and assembles the scene; prints its warnings, or everything that is wrong with it.
     pub fn load(&self, verbosity: Verbosity) -> Result<Loaded, Failure> {
-        let loaded = import::load(&self.scene, &self.overrides()).map_err(|all| problems::failure(&all))?;
+        let memory = self.texture_memory.map_or_else(TextureMemory::default, TextureMemory::new);
+        let loaded =
+            import::load_within(&self.scene, &self.overrides(), &memory).map_err(|all| problems::failure(&all))?;
         if !verbosity.quiet {
             problems::print(&loaded.warnings, miette::Severity::Warning);
         }

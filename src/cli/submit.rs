@@ -122,7 +122,11 @@ fn job(args: &Args, passes: u32) -> Result<Job, Failure> {
         program,
         scene: absolute(&args.scene.scene)?,
         // The environment of a task may be another one: what it says here is said to each task.
-        settings: args.scene.overrides().iter().flat_map(|o| ["-D".to_owned(), o.to_string()]).collect(),
+        settings: [
+            args.scene.overrides().iter().flat_map(|o| ["-D".to_owned(), o.to_string()]).collect(),
+            args.scene.working_arguments(),
+        ]
+        .concat(),
         merge_settings: args.output.merge_arguments(absolute)?,
         passes,
         parts: args.parts.unwrap_or_else(|| passes.min(DEFAULT_PARTS)),

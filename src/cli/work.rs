@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use pdembree::backend::BackendError;
-use pdembree::render::unit;
+use pdembree::render::{RenderError, unit};
 use pdembree::scene::Scene;
 use pdembree::world::{World, WorldError};
 
@@ -49,10 +49,18 @@ pub fn world(scene: Scene) -> Result<World, Failure> {
     World::new(scene).map_err(|error| world_failure(&error))
 }
 
+pub fn render_failure(error: &RenderError) -> Failure {
+    let code = match error {
+        RenderError::Camera(_) => code::BAD_DATA,
+        RenderError::Textures(_) => code::FAILED,
+    };
+    Failure::new(code, error.to_string())
+}
+
 pub fn world_failure(error: &WorldError) -> Failure {
     let code = match error {
         WorldError::Backend(BackendError::EmbreeNotCompiledIn) => code::USAGE,
-        WorldError::Backend(BackendError::Embree { .. }) => code::FAILED,
+        WorldError::Backend(BackendError::Embree { .. }) | WorldError::Textures(_) => code::FAILED,
         WorldError::Backend(BackendError::OutOfBounds { .. }) | WorldError::Lights(_) => code::BAD_DATA,
     };
     Failure::new(code, error.to_string())

@@ -11,7 +11,7 @@ use crate::scene::description::{
     MaterialDescription, MaterialModel, MeshDescription, Parameter, Reference, TextureDescription,
 };
 use crate::scene::error::{Problem, Problems, Source};
-use crate::scene::texture::{ImageTexture, Wrap};
+use crate::scene::texture::{ImageTexture, TextureMemory, Wrap};
 
 /// A mesh file and what is asked for its normals.
 type MeshKey = (PathBuf, Option<bool>);
@@ -22,6 +22,7 @@ type AnimatedKey = (Vec<PathBuf>, [u64; 2], Option<bool>);
 /// What was read so far. A file that failed is reported by its first use only; its later uses get an empty error.
 pub(crate) struct Assets {
     folder: PathBuf,
+    memory: TextureMemory,
     pub textures: Vec<TextureDescription>,
     pub meshes: Vec<MeshDescription>,
     /// Materials that mesh files bring along.
@@ -33,10 +34,11 @@ pub(crate) struct Assets {
 }
 
 impl Assets {
-    /// Relative paths start at `folder`.
-    pub fn new(folder: &Path) -> Assets {
+    /// Relative paths start at `folder`, textures find room in `memory`.
+    pub fn new(folder: &Path, memory: TextureMemory) -> Assets {
         Assets {
             folder: folder.to_owned(),
+            memory,
             textures: Vec::new(),
             meshes: Vec::new(),
             materials: Vec::new(),
@@ -60,7 +62,7 @@ impl Assets {
         if let Some(known) = self.texture_index.get(&key) {
             return known.ok_or_else(Problems::default);
         }
-        let read = image::read(&path, space, wrap);
+        let read = image::read(&path, space, wrap, &self.memory);
         self.texture_index.insert(key, read.is_ok().then_some(self.textures.len()));
         let image = read.map_err(|problem| problem.at_unless_placed(used_at))?;
         self.textures.push(TextureDescription { source: used_at.clone(), image });
@@ -77,9 +79,10 @@ impl Assets {
         volume::read(&self.folder.join(file), raw).map_err(|problem| problem.at_unless_placed(used_at))
     }
 
-    /// An image that surrounds the scene.
+    /// An image that surrounds the scene, which is looked at all over: it is no texture that could be left in a file.
     pub fn panorama(&self, file: &str, space: Option<ColourSpace>, used_at: &Source) -> Result<ImageTexture, Problem> {
-        image::read(&self.folder.join(file), space, Wrap::Repeat).map_err(|problem| problem.at_unless_placed(used_at))
+        let read = image::read(&self.folder.join(file), space, Wrap::Repeat, &TextureMemory::unlimited());
+        read.map_err(|problem| problem.at_unless_placed(used_at))
     }
 
     /// The index of a whole mesh file, read if it is new. `smooth`: compute normals, or have none; else the file's.

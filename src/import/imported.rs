@@ -7,6 +7,7 @@ use crate::scene::description::{
 use crate::scene::error::{Problem, Source};
 use crate::scene::settings::RenderSettings;
 use crate::scene::spelling::nearest;
+use crate::scene::texture::TextureMemory;
 
 /// Which of several things in a file are taken.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +18,8 @@ pub struct Wanted {
     pub variant: Option<Reference>,
     /// Whether what of a pbrt file cannot be rendered is left out, with a warning.
     pub lenient: bool,
+    /// Where textures find room.
+    pub memory: TextureMemory,
 }
 
 /// The place of the name that is wanted among `names`, of things of this `kind` in a file.

@@ -26,6 +26,7 @@ use crate::scene::Scene;
 use crate::scene::assemble::assemble;
 use crate::scene::description::SceneDescription;
 use crate::scene::error::{Problem, Problems};
+use crate::scene::texture::TextureMemory;
 
 /// A scene file is text that somebody wrote; anything this long is something else.
 const MAX_SCENE_BYTES: u64 = 16 << 20;
@@ -42,16 +43,24 @@ pub struct Loaded {
 }
 
 /// Reads the scene file `path`, TOML, glTF or pbrt by its name, with `overrides` laid over it, the files that it names, and
-/// assembles the scene.
+/// assembles the scene. Textures have the usual memory.
 ///
 /// # Errors
 /// Everything that is wrong with the scene, each with its file, line and column where there is one.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<Loaded, Problems> {
+    load_within(path, overrides, &TextureMemory::default())
+}
+
+/// Like [`load`] with textures within `memory`.
+///
+/// # Errors
+/// As [`load`]; and the textures' temporary file may fail.
+pub fn load_within(path: &Path, overrides: &[Override], memory: &TextureMemory) -> Result<Loaded, Problems> {
     if is_foreign(path) {
-        return finish(native::describe_foreign(path, overrides));
+        return finish(native::describe_foreign(path, overrides, memory));
     }
     let text = read_scene_text(path)?;
-    load_text(path, &text, overrides)
+    finish(native::describe(path, &text, overrides, memory))
 }
 
 /// Whether a file goes by a name of scene files of other programs.
@@ -64,7 +73,7 @@ pub fn is_foreign(path: &Path) -> bool {
 /// # Errors
 /// As [`load`].
 pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Loaded, Problems> {
-    finish(native::describe(path, text, overrides))
+    finish(native::describe(path, text, overrides, &TextureMemory::default()))
 }
 
 /// A scene file made of a file of another program.
@@ -82,7 +91,7 @@ pub struct Converted {
 /// Everything that is wrong with the file; or what is written would not be the same scene.
 pub fn convert(input: &Path, output: &Path, lenient: bool) -> Result<Converted, Problems> {
     let overrides: Vec<Override> = lenient.then(|| Override::new("lenient", "true")).into_iter().collect();
-    let (description, problems) = native::describe_foreign(input, &overrides);
+    let (description, problems) = native::describe_foreign(input, &overrides, &TextureMemory::default());
     let text = description.as_ref().map(|scene| native::scene_file(scene, input, folder_of(output), lenient));
     let loaded = finish((description, problems))?;
     let text = text.unwrap_or_default();

@@ -43,9 +43,10 @@ impl PanoramaLight {
     /// `None` if it is black.
     pub fn new(panorama: Panorama, scene: SceneSphere) -> Option<PanoramaLight> {
         let edges = panorama.row_edges();
-        let texels = panorama.image.width * panorama.image.height;
+        let texels = panorama.image.texels.len();
         let values: Vec<f32> = (0..texels).map(|i| panorama.radiance(i).luminance() as f32).collect();
-        let density = PiecewiseConstant::new(&Grid { columns: panorama.image.width, rows: &edges, values: &values })?;
+        let density =
+            PiecewiseConstant::new(&Grid { columns: panorama.image.texels.width(), rows: &edges, values: &values })?;
         let (integral, shining) = panorama.integral();
         Some(PanoramaLight { panorama, density, edges, integral, is_narrow: shining < NARROW, scene })
     }
@@ -72,7 +73,7 @@ impl PanoramaLight {
     }
 
     fn radiance_at(&self, [s, t]: [f64; 2]) -> Spectrum {
-        let (width, height) = (self.panorama.image.width, self.panorama.image.height);
+        let (width, height) = (self.panorama.image.texels.width(), self.panorama.image.texels.height());
         let column = ((s * width as f64) as usize).min(width - 1);
         let row = self.edges.partition_point(|&edge| edge <= t).clamp(1, height) - 1;
         self.panorama.radiance(row * width + column)

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::atomic;
 use super::error::WriteError;
 use crate::film::{Cause, Refused};
+use crate::scene::texture::TextureReport;
 
 /// Number of the certificate's layout; it grows when a reader of the old one would be misled.
 pub const SCHEMA: u32 = 1;
@@ -139,6 +140,9 @@ pub struct BirthCertificate {
     pub phases: Vec<Phase>,
     /// Peak resident memory of the process.
     pub peak_memory_bytes: Option<u64>,
+    /// What textures took; absent where there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub textures: Option<TextureReport>,
     /// Digest of the parts that the picture was put together from.
     pub parts: Option<String>,
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::progress::Progress;
 use super::watch::Watch;
-use super::{BadCamera, Ended, RenderState, go_on};
+use super::{Ended, RenderError, RenderState, go_on};
 use crate::film::PixelBounds;
 use crate::scene::RenderSettings;
 use crate::world::World;
@@ -31,7 +31,7 @@ pub fn render(
     left: Duration,
     watch: &dyn Watch,
     mut given_up: impl FnMut(Duration),
-) -> Result<(RenderState, Ended), BadCamera> {
+) -> Result<(RenderState, Ended), RenderError> {
     let (start, whole) = (Instant::now(), world.scene.settings.clone());
     let mut size = 1.0;
     loop {

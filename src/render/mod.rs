@@ -33,10 +33,11 @@ use crate::film::{Film, Layout, PixelBounds};
 use crate::medium::LostCount;
 use crate::photon::{Kinds, PhotonCounts, PhotonMap, Population};
 use crate::scene::settings::Method;
+use crate::scene::texture::TextureError;
 use crate::world::World;
 use partition::{EyeFinds, EyeTask};
 use progress::Progress;
-use watch::{Stopped, Unattended, Watch};
+use watch::{Stopped, Unattended, Watch, WhileTexturesAreRead};
 
 /// What a render did, for the birth certificate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -109,6 +110,15 @@ impl<'a> Job<'a> {
 #[error("the camera's position, target and up do not span a frame")]
 pub struct BadCamera;
 
+/// Why a pass cannot be rendered.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RenderError {
+    #[error(transparent)]
+    Camera(#[from] BadCamera),
+    #[error(transparent)]
+    Textures(#[from] TextureError),
+}
+
 /// How a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
@@ -119,7 +129,7 @@ pub enum Ended {
 }
 
 /// Renders all passes of the world's scene with its own settings.
-pub fn render(world: &World, progress: &dyn Progress) -> Result<RenderState, BadCamera> {
+pub fn render(world: &World, progress: &dyn Progress) -> Result<RenderState, RenderError> {
     render_while(world, progress, |state| state.film.passes() < world.scene.settings.passes)
 }
 
@@ -128,7 +138,7 @@ pub fn render_while(
     world: &World,
     progress: &dyn Progress,
     more: impl Fn(&RenderState) -> bool,
-) -> Result<RenderState, BadCamera> {
+) -> Result<RenderState, RenderError> {
     let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
     let more = |state: &RenderState| state.film.passes() == 0 || more(state);
     go_on(world, &mut state, &Unattended(progress), more)?;
@@ -136,20 +146,26 @@ pub fn render_while(
 }
 
 /// Goes on with a render: ends the pass under way, then adds pass after pass as long as `more` asks for one.
+///
+/// # Errors
+/// The camera spans no frame; or textures could not be read, and the state is good for nothing: `watch` last saw a good one.
 pub fn go_on(
     world: &World,
     state: &mut RenderState,
     watch: &dyn Watch,
     more: impl Fn(&RenderState) -> bool,
-) -> Result<Ended, BadCamera> {
+) -> Result<Ended, RenderError> {
     let camera = Camera::new(&world.scene.camera).ok_or(BadCamera)?;
+    let watch = &WhileTexturesAreRead { watch, textures: &world.textures };
     let job = Job::new(world, camera, watch);
     let (start, before) = (Instant::now(), state.report.seconds);
     let [invalid_rays, inexact_hits] = [world.backend.invalid_rays(), world.inexact_hits()];
     let lost_count = world.lost_count();
     let mut ended = Ended::Done;
     while !state.film.is_between_passes() || more(state) {
-        if render_pass(&job, state).is_err() {
+        let pass = render_pass(&job, state);
+        world.textures.check()?;
+        if pass.is_err() {
             ended = Ended::Stopped;
             break;
         }
@@ -210,5 +226,41 @@ impl RenderReport {
         self.inexact_hits += other.inexact_hits;
         self.lost_count = self.lost_count.plus(other.lost_count);
         self.seconds += other.seconds;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import;
+    use crate::scene::TextureMemory;
+    use progress::Silent;
+
+    /// A white wall before a lamp, its image in the file.
+    const WALL: &str = r#"
+        format = 1
+        camera = { type = "perspective", position = [0, 0, 3], target = [0, 0, 0], up = [0, 1, 0], fov_degrees = 4, resolution = [8, 8] }
+        render = { method = "path", passes = 2, spp = 1 }
+        materials.wall = { type = "lambert", albedo = { image = "wall.png" } }
+        objects = [{ shape = "rectangle", centre = [0, 0, 0], a = [2, 0, 0], b = [0, 2, 0], material = "wall" }]
+        lights = [{ type = "point", position = [0, 0, 2], intensity = [1, 1, 1] }]
+    "#;
+
+    /// A disk that fails while it is read ends the render with an error, not with a black wall.
+    #[test]
+    fn textures_that_cannot_be_read_any_more_end_the_render() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let white = ::image::RgbImage::from_pixel(256, 256, ::image::Rgb([255; 3]));
+        white.save(folder.path().join("wall.png")).expect("written");
+        let scene = folder.path().join("wall.toml");
+        std::fs::write(&scene, WALL).expect("written");
+        let memory = TextureMemory::new(30_000);
+        let loaded = import::load_within(&scene, &[], &memory).expect("a sound scene");
+        let world = World::new(loaded.scene).expect("a world");
+        let good = render(&world, &Silent).expect("a good disk");
+        memory.break_file();
+        let failure = render(&world, &Silent).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(failure.starts_with("cannot read the temporary file of textures in"), "{failure}");
+        assert!(good.film.passes() == 2 && world.textures.failure().is_some());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::RenderState;
 use super::progress::Progress;
+use crate::surface::Textures;
 
 /// Hears of the progress, and is asked between units.
 pub trait Watch: Progress {
@@ -36,3 +37,36 @@ impl Progress for Unattended<'_> {
 }
 
 impl Watch for Unattended<'_> {}
+
+/// Stops a render whose textures cannot be read any more, and shows nobody what came of it. A failure is known before the
+/// unit that met it is handed over.
+pub struct WhileTexturesAreRead<'a> {
+    pub watch: &'a dyn Watch,
+    pub textures: &'a Textures,
+}
+
+impl Progress for WhileTexturesAreRead<'_> {
+    fn phase(&self, name: &str, total: u64) {
+        self.watch.phase(name, total);
+    }
+    fn advance(&self, n: u64) {
+        self.watch.advance(n);
+    }
+    fn finish(&self) {
+        self.watch.finish();
+    }
+    fn skip(&self, n: u64) {
+        self.watch.skip(n);
+    }
+}
+
+impl Watch for WhileTexturesAreRead<'_> {
+    fn stop(&self) -> bool {
+        self.watch.stop() || self.textures.failure().is_some()
+    }
+    fn look(&self, state: &RenderState) {
+        if self.textures.failure().is_none() {
+            self.watch.look(state);
+        }
+    }
+}

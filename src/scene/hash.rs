@@ -18,6 +18,7 @@ use super::settings::{
     BackendKind, Bandwidth, BounceFootprint, Caustics, Guiding, Indirect, Radius, RenderSettings, TimeKernel,
     TimeResolution,
 };
+use super::texture::Texels;
 
 /// Changes when the serialisation below does.
 const VERSION: &str = "pdembree scene 1";
@@ -97,6 +98,16 @@ impl Canonical {
     }
     fn singles<const N: usize>(&mut self, values: &[[f32; N]]) {
         self.count(values.len());
+        self.uncounted(values);
+    }
+    fn texels(&mut self, texels: &Texels) {
+        self.count(texels.len());
+        let mut rows = texels.rows();
+        for j in 0..texels.height() {
+            self.uncounted(rows.row(j));
+        }
+    }
+    fn uncounted<const N: usize>(&mut self, values: &[[f32; N]]) {
         // In blocks: one call of the hasher a number would be slow for large meshes.
         for block in values.chunks(4096) {
             let bytes: Vec<u8> = block.as_flattened().iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -418,8 +429,8 @@ impl Canonical {
                 });
                 self.numbers(axes.map(|axis| axis.to_array()).as_flattened());
                 self.numbers(&factor.to_array());
-                self.count(image.width);
-                self.singles(&image.texels);
+                self.count(image.texels.width());
+                self.texels(&image.texels);
             }
         }
         self.group(light.group.as_ref());

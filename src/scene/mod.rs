@@ -37,7 +37,7 @@ pub use mesh::TriangleMesh;
 pub use object::{Object, ObjectGeometry};
 pub use panorama::Panorama;
 pub use settings::RenderSettings;
-pub use texture::{ImageTexture, Textured};
+pub use texture::{ImageTexture, TextureMemory, Textured};
 
 use std::sync::Arc;
 

@@ -48,7 +48,7 @@ pub struct Panorama {
 impl Panorama {
     /// Edges of the rows in t, from 0 to 1.
     pub fn row_edges(&self) -> Vec<f64> {
-        let height = self.image.height;
+        let height = self.image.texels.height();
         let edge = |row: usize| match self.projection {
             // (1 − cos θ)/2 at θ = π row/height.
             Projection::LatLong => (FRAC_PI_2 * row as f64 / height as f64).sin().powi(2),
@@ -59,7 +59,7 @@ impl Panorama {
 
     /// What comes from the `i`th texel, row by row; zero from one of another part.
     pub fn radiance(&self, i: usize) -> Spectrum {
-        let [r, g, b] = self.image.texels[i].map(f64::from);
+        let [r, g, b] = self.image.texels.texel(i).map(f64::from);
         let radiance = Spectrum::rgb(r, g, b) * self.factor;
         let luminance = radiance.luminance();
         let counts = match self.part {
@@ -72,7 +72,7 @@ impl Panorama {
 
     /// ∫ L dω, and sr of the texels that shine.
     pub fn integral(&self) -> (Spectrum, f64) {
-        let (edges, width) = (self.row_edges(), self.image.width);
+        let (edges, width) = (self.row_edges(), self.image.texels.width());
         let (mut light, mut shining) = (Spectrum::BLACK, 0.0);
         for (row, edge) in edges.windows(2).enumerate() {
             let texel = 4.0 * PI * (edge[1] - edge[0]) / width as f64;

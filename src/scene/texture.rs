@@ -1,5 +1,15 @@
 //! Image textures and parameters that may be textured.
 
+mod memory;
+mod raster;
+mod samples;
+mod texels;
+
+pub use memory::{TextureError, TextureMemory, TextureReport};
+pub use raster::Raster;
+pub use samples::{Curve, Samples};
+pub use texels::{Cursor, Rows, Texels};
+
 use super::ids::TextureId;
 
 /// A constant or an image times a factor.
@@ -17,13 +27,10 @@ pub enum Wrap {
     Mirror,
 }
 
-/// A decoded image in linear Rec.709, row 0 at the top; texture coordinate v = 0 is the bottom row's lower edge.
+/// A decoded image; texture coordinate v = 0 is the bottom row's lower edge. A clone shares the texels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageTexture {
-    pub width: usize,
-    pub height: usize,
-    /// width · height texels, row by row from the top.
-    pub texels: Vec<[f32; 3]>,
+    pub texels: Texels,
     /// Across and up.
     pub wrap: [Wrap; 2],
     pub placement: Placement,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::exact::NotThisForm;
 use super::metric::MetricError;
 use crate::output::{ReadError, WriteError};
-use crate::render::BadCamera;
+use crate::render::{BadCamera, RenderError};
 use crate::scene::error::Problems;
 use crate::world::WorldError;
 
@@ -19,6 +19,8 @@ pub enum StudyError {
     World(#[from] WorldError),
     #[error(transparent)]
     Camera(#[from] BadCamera),
+    #[error(transparent)]
+    Render(#[from] RenderError),
     #[error("scene `{scene}` is not the closed form `{form}`: {source}")]
     NotThisForm { scene: String, form: &'static str, source: NotThisForm },
     #[error("scene `{scene}`, {which}: {source}")]

@@ -5,11 +5,11 @@
 //! of the pixel, and the image is reconstructed by a kernel so narrow that it keeps a magnified texel's value. Constant
 //! images and linear ramps come out exactly, nothing leaves the range of the texels under the kernel.
 
-use super::pyramid::Level;
+use super::pyramid::{Level, wide};
 use crate::math::{Vec2, Vec3};
 use crate::radiometry::Spectrum;
 use crate::scene::ImageTexture;
-use crate::scene::texture::{Placement, Wrap};
+use crate::scene::texture::{Cursor, Placement, TextureMemory, Wrap};
 
 /// Longest against shortest axis of a footprint; a longer one is widened, which blurs but bounds the work.
 const MAX_ANISOTROPY: f64 = 16.0;
@@ -34,6 +34,8 @@ pub struct MipMap {
     /// From the image itself to a single texel.
     levels: Vec<Level>,
     wrap: [Wrap; 2],
+    /// Of the coarsest level.
+    mean: Spectrum,
     /// `None` where it changes nothing.
     placement: Option<Placement>,
 }
@@ -75,25 +77,31 @@ impl Symmetric {
 impl MipMap {
     /// The image has at least one texel and `width` · `height` of them.
     pub fn new(image: &ImageTexture) -> MipMap {
-        let mut levels = vec![Level::finest(image)];
+        let mut levels = vec![Level::finest(&image.texels)];
         while let Some(coarser) = levels.last().and_then(Level::coarser) {
             levels.push(coarser);
         }
+        let mean = Spectrum::from(levels[levels.len() - 1].mean());
         let placement = Some(image.placement).filter(|p| *p != Placement::IDENTITY);
-        MipMap { levels, wrap: image.wrap, placement }
+        MipMap { levels, wrap: image.wrap, mean, placement }
+    }
+
+    /// What bounds its place.
+    pub fn memory(&self) -> &TextureMemory {
+        self.levels[0].memory()
     }
 
     /// The mean over the ellipse about `uv` that `footprint` = (∂uv/∂x, ∂uv/∂y) spans. A footprint without bounds sees
     /// the mean of the image.
     pub fn filtered(&self, uv: Vec2, footprint: [Vec2; 2]) -> Spectrum {
         let (uv, footprint) = self.placed(uv, footprint);
-        let (finest, coarsest) = (&self.levels[0], &self.levels[self.levels.len() - 1]);
+        let finest = &self.levels[0];
         // Rows run downwards, v upwards.
         let texels = Vec2::new(finest.width as f64, -(finest.height as f64));
         let spread = Symmetric::of_columns(footprint.map(|d| d * texels));
         let (major, minor) = spread.eigenvalues();
         if !major.is_finite() || !minor.is_finite() {
-            return Spectrum::from(coarsest.mean());
+            return self.mean;
         }
         let squared = MAX_ANISOTROPY * MAX_ANISOTROPY;
         // (major + 4 RECONSTRUCTION) / (floor + 4 RECONSTRUCTION) = squared
@@ -102,7 +110,7 @@ impl MipMap {
             if floor > minor { (spread.widened(major, minor, floor - minor), floor) } else { (spread, minor) };
         let level = self.level_for(minor);
         if level.width == 1 && level.height == 1 {
-            return Spectrum::from(coarsest.mean());
+            return self.mean;
         }
         self.weighted_mean(level, self.reduced(uv), level_covariance(level, spread))
     }
@@ -155,7 +163,9 @@ impl MipMap {
         let form = widened.inverse();
         let reach = CUT * widened.yy.sqrt();
         // Differences to one texel keep constant images exact.
-        let origin = self.texel(level, centre.x.round() as i64, centre.y.round() as i64);
+        let mut texels = level.cursor();
+        let mut texel = |i: i64, j: i64| self.texel(level, &mut texels, i, j);
+        let origin = texel(centre.x.round() as i64, centre.y.round() as i64);
         let mut sums = Sums::default();
         for j in (centre.y - reach).ceil() as i64..=(centre.y + reach).floor() as i64 {
             let dy = j as f64 - centre.y;
@@ -167,13 +177,13 @@ impl MipMap {
                 let s = form.xx * dx * dx + 2.0 * form.xy * dx * dy + form.yy * dy * dy;
                 // Rounding may put a texel of the row's ends just outside.
                 let weight = ((-0.5 * s).exp() - CUT_HEIGHT).max(0.0);
-                sums.add(weight, Vec2::new(dx, dy), self.texel(level, i, j) - origin);
+                sums.add(weight, Vec2::new(dx, dy), texel(i, j) - origin);
             }
         }
         Spectrum::from((origin + sums.centred_mean()).to_array())
     }
 
-    fn texel(&self, level: &Level, i: i64, j: i64) -> Vec3 {
+    fn texel(&self, level: &Level, texels: &mut Cursor<'_>, i: i64, j: i64) -> Vec3 {
         let wrapped = |i: i64, n: usize, wrap| {
             let n = n as i64;
             let i = match wrap {
@@ -186,7 +196,7 @@ impl MipMap {
             };
             i as usize
         };
-        level.texel(wrapped(i, level.width, self.wrap[0]), wrapped(j, level.height, self.wrap[1]))
+        wide(texels.texel(wrapped(i, level.width, self.wrap[0]), wrapped(j, level.height, self.wrap[1])))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Levels of an image pyramid: each averages the one below over about 2×2 texels · `[Williams83]`.
 
 use crate::math::{Vec2, Vec3};
-use crate::scene::ImageTexture;
+use crate::scene::texture::{Cursor, Texels, TextureMemory};
 
 /// An image of the pyramid, row 0 at the top.
 #[derive(Clone, Debug)]
@@ -10,13 +10,13 @@ pub struct Level {
     pub height: usize,
     /// Texels of the finest level to one of this, across and down.
     pub scale: Vec2,
-    texels: Vec<[f32; 3]>,
+    texels: Texels,
 }
 
 impl Level {
-    pub fn finest(image: &ImageTexture) -> Level {
-        let texels = image.texels.clone();
-        Level { width: image.width, height: image.height, scale: Vec2::ONE, texels }
+    /// The image itself, which it shares.
+    pub fn finest(texels: &Texels) -> Level {
+        Level { width: texels.width(), height: texels.height(), scale: Vec2::ONE, texels: texels.clone() }
     }
 
     /// Half as wide and high, odd sizes rounded down; `None` after a single texel. Every texel is the mean over its own
@@ -28,35 +28,46 @@ impl Level {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<_> = (0..width).map(|i| overlaps(i, width, self.width)).collect();
         let mut texels = Vec::with_capacity(width * height);
+        let (mut finer, mut sums) = (self.texels.rows(), vec![Vec3::ZERO; width]);
         for j in 0..height {
-            let rows = overlaps(j, height, self.height);
-            for column in &columns {
-                let mut sum = Vec3::ZERO;
-                for &(y, wy) in &rows {
+            sums.fill(Vec3::ZERO);
+            for (y, wy) in overlaps(j, height, self.height) {
+                let row = finer.row(y);
+                for (sum, column) in sums.iter_mut().zip(&columns) {
                     for &(x, wx) in column {
-                        sum += wx * wy * self.texel(x, y);
+                        *sum += wx * wy * wide(row[x]);
                     }
                 }
-                texels.push(sum.to_array().map(|x| x as f32));
             }
+            texels.extend(sums.iter().map(|sum| sum.to_array().map(|x| x as f32)));
         }
         let shrink = Vec2::new(self.width as f64 / width as f64, self.height as f64 / height as f64);
-        Some(Level { width, height, scale: self.scale * shrink, texels })
+        Some(Level { width, height, scale: self.scale * shrink, texels: self.texels.coarser(width, height, texels) })
     }
 
-    /// Indices inside the image.
-    pub fn texel(&self, i: usize, j: usize) -> Vec3 {
-        wide(self.texels[j * self.width + i])
+    pub fn memory(&self) -> &TextureMemory {
+        self.texels.memory()
+    }
+
+    /// For texels close together.
+    pub fn cursor(&self) -> Cursor<'_> {
+        self.texels.cursor()
     }
 
     /// Of the whole level, which is what its only texel holds on the coarsest.
     pub fn mean(&self) -> [f64; 3] {
-        let sum: Vec3 = self.texels.iter().copied().map(wide).sum();
+        let mut rows = self.texels.rows();
+        let mut sum = Vec3::ZERO;
+        for j in 0..self.height {
+            for texel in rows.row(j) {
+                sum += wide(*texel);
+            }
+        }
         (sum / self.texels.len() as f64).to_array()
     }
 }
 
-fn wide(texel: [f32; 3]) -> Vec3 {
+pub fn wide(texel: [f32; 3]) -> Vec3 {
     Vec3::from_array(texel.map(f64::from))
 }
 
@@ -74,7 +85,6 @@ fn overlaps(i: usize, m: usize, n: usize) -> Vec<(usize, f64)> {
 mod tests {
     use super::*;
     use crate::sampling::{Purpose, Stream};
-    use crate::scene::texture::{Placement, Wrap};
 
     #[test]
     fn parts_share_the_texels_without_gap() {
@@ -94,8 +104,7 @@ mod tests {
         let (width, height) = (13, 6);
         let mut stream = Stream::new(1, Purpose::Test, 0, 0);
         let texels = (0..width * height).map(|_| [0; 3].map(|_: i32| stream.uniform() as f32)).collect();
-        let image = ImageTexture { width, height, texels, wrap: [Wrap::Repeat; 2], placement: Placement::IDENTITY };
-        let mut level = Level::finest(&image);
+        let mut level = Level::finest(&Texels::new(width, height, texels));
         let mean = level.mean();
         let mut sizes = vec![(width, height)];
         while let Some(coarser) = level.coarser() {

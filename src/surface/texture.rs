@@ -5,6 +5,7 @@ use super::normal_map::Image;
 use super::parametrisation::Lookup;
 use crate::math::Vec2;
 use crate::radiometry::Spectrum;
+use crate::scene::texture::{TextureError, TextureReport};
 use crate::scene::{ImageTexture, TextureId, Textured};
 
 /// All image textures of a scene, prepared once and shared by every thread.
@@ -17,6 +18,22 @@ impl Textures {
     /// In the order of `Scene::textures`.
     pub fn new(images: &[ImageTexture]) -> Textures {
         Textures { maps: images.iter().map(MipMap::new).collect() }
+    }
+
+    /// Why lookups are black that should not be, if their file failed.
+    pub fn failure(&self) -> Option<&TextureError> {
+        self.maps.iter().find_map(|map| map.memory().failure())
+    }
+
+    /// # Errors
+    /// Lookups gave black that should not have.
+    pub fn check(&self) -> Result<(), TextureError> {
+        self.failure().map_or(Ok(()), |failure| Err(failure.clone()))
+    }
+
+    /// What they took; `None` where there are none. A scene's images share one memory.
+    pub fn report(&self) -> Option<TextureReport> {
+        self.maps.first().map(|map| map.memory().report())
     }
 
     /// A colour, filtered over the lookup's parallelogram.

@@ -50,5 +50,6 @@ mod study;
 mod structure;
 mod tev;
 mod texture;
+mod texture_memory;
 mod time_column;
 mod warps;

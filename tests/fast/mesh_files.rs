@@ -11,7 +11,7 @@ use pdembree::import::image::{self, ColourSpace};
 use pdembree::import::mesh_file::MeshFile;
 use pdembree::import::obj::{self, Wanted};
 use pdembree::import::{load_text, ply};
-use pdembree::scene::texture::Wrap;
+use pdembree::scene::texture::{TextureMemory, Wrap};
 use pdembree::scene::{Material, TriangleMesh};
 
 use crate::support::data::{root, shared};
@@ -307,26 +307,27 @@ fn open_and_inverted_glass_is_warned_about() {
 #[test]
 fn images_are_decoded_to_linear_light() {
     let dir = tempfile::tempdir().expect("a temporary folder");
+    let memory = TextureMemory::default();
     let png = dir.path().join("a.png");
     ::image::RgbImage::from_fn(2, 1, |x, _| ::image::Rgb([255 * x as u8, 128, 0])).save(&png).expect("written");
-    let srgb = image::read(&png, None, Wrap::Repeat).expect("a PNG");
-    assert_eq!((srgb.width, srgb.height), (2, 1));
+    let srgb = image::read(&png, None, Wrap::Repeat, &memory).expect("a PNG");
+    assert_eq!((srgb.texels.width(), srgb.texels.height()), (2, 1));
     // 128/255 on the sRGB curve.
-    assert!((srgb.texels[1][1] - 0.215_860_5).abs() < 1e-6, "{:?}", srgb.texels);
-    assert_eq!((srgb.texels[0][0], srgb.texels[1][0]), (0.0, 1.0));
-    let linear = image::read(&png, Some(ColourSpace::Linear), Wrap::Repeat).expect("a PNG");
-    assert_eq!(linear.texels[1][1], 128.0 / 255.0);
+    assert!((srgb.texels.texel(1)[1] - 0.215_860_5).abs() < 1e-6, "{:?}", srgb.texels);
+    assert_eq!((srgb.texels.texel(0)[0], srgb.texels.texel(1)[0]), (0.0, 1.0));
+    let linear = image::read(&png, Some(ColourSpace::Linear), Wrap::Repeat, &memory).expect("a PNG");
+    assert_eq!(linear.texels.texel(1)[1], 128.0 / 255.0);
 
     let exr = dir.path().join("a.exr");
     exr::prelude::write_rgb_file(&exr, 3, 2, |x, y| (x as f32, y as f32, 0.25)).expect("written");
-    let read = image::read(&exr, None, Wrap::Clamp).expect("an EXR");
-    assert_eq!((read.width, read.height), (3, 2));
-    assert_eq!(read.texels[3 + 2], [2.0, 1.0, 0.25]);
+    let read = image::read(&exr, None, Wrap::Clamp, &memory).expect("an EXR");
+    assert_eq!((read.texels.width(), read.texels.height()), (3, 2));
+    assert_eq!(read.texels.texel(3 + 2), [2.0, 1.0, 0.25]);
 
     for file in [&png, &exr] {
         let bytes = std::fs::read(file).expect("read");
         std::fs::write(file, &bytes[..bytes.len() / 2]).expect("written");
-        let problem = image::read(file, None, Wrap::Repeat).expect_err("truncated").to_string();
+        let problem = image::read(file, None, Wrap::Repeat, &memory).expect_err("truncated").to_string();
         assert!(problem.contains(&format!("{}: cannot use the image", file.display())), "{problem}");
     }
 }

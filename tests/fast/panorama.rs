@@ -13,7 +13,7 @@ use pdembree::sampling::piecewise::{Grid, PiecewiseConstant};
 use pdembree::sampling::{Purpose, Stream};
 use pdembree::scene::light::LightSource;
 use pdembree::scene::panorama::{Part, Projection};
-use pdembree::scene::texture::{Placement, Wrap};
+use pdembree::scene::texture::{Placement, Texels, Wrap};
 use pdembree::scene::{ImageTexture, LightId, Panorama, PhotonChoice, Scene};
 
 use crate::support::gltf::Gltf;
@@ -27,7 +27,8 @@ const SEED: u64 = 77;
 fn image(width: usize, height: usize, texel: impl Fn(usize, usize) -> f32) -> Arc<ImageTexture> {
     let texels = (0..width * height).map(|i| [texel(i % width, i / width); 3]).collect();
     let wrap = [Wrap::Repeat; 2];
-    Arc::new(ImageTexture { width, height, texels, wrap, placement: Placement::IDENTITY })
+    let texels = Texels::new(width, height, texels);
+    Arc::new(ImageTexture { texels, wrap, placement: Placement::IDENTITY })
 }
 
 /// +z up, the middle of a lat-long image at +x.

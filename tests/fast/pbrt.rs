@@ -292,8 +292,9 @@ fn checks_alternate_from_the_first_at_the_origin() {
     let image = &scene.textures[0].image;
     let at = |u: f64, v: f64| {
         let [s, t] = image.placement.rows.map(|[a, b, c]| (a * u + b * v + c).rem_euclid(1.0));
-        let (x, y) = ((s * image.width as f64) as usize, ((1.0 - t) * image.height as f64) as usize);
-        image.texels[y.min(image.height - 1) * image.width + x]
+        let (width, height) = (image.texels.width(), image.texels.height());
+        let (x, y) = ((s * width as f64) as usize, ((1.0 - t) * height as f64) as usize);
+        image.texels.texel(y.min(height - 1) * width + x)
     };
     assert_eq!(at(0.1, 0.5), [0.5, 0.0, 0.0]);
     assert_eq!(at(0.3, 0.5), [0.0, 0.0, 0.5]);

@@ -3,7 +3,7 @@
 use pdembree::math::Vec2;
 use pdembree::radiometry::Spectrum;
 use pdembree::sampling::{Purpose, Stream};
-use pdembree::scene::texture::{Placement, Wrap};
+use pdembree::scene::texture::{Placement, Texels, Wrap};
 use pdembree::scene::{ImageTexture, TextureId, Textured};
 use pdembree::surface::mipmap::MipMap;
 use pdembree::surface::{Lookup, Textures};
@@ -15,7 +15,7 @@ const POINT: [Vec2; 2] = [Vec2::ZERO; 2];
 fn image(width: usize, height: usize, wrap: Wrap, f: impl Fn(f64, f64) -> f64) -> ImageTexture {
     let texel = |k: usize| [f((k % width) as f64, (k / width) as f64) as f32; 3];
     let texels = (0..width * height).map(texel).collect();
-    ImageTexture { width, height, texels, wrap: [wrap; 2], placement: Placement::IDENTITY }
+    ImageTexture { texels: Texels::new(width, height, texels), wrap: [wrap; 2], placement: Placement::IDENTITY }
 }
 
 /// A footprint given in texels of a square image, columns turned by `angle`.
@@ -325,7 +325,7 @@ fn needles_are_widened() {
 #[test]
 fn a_factor_tints_an_image() {
     let mut texture = image(4, 4, Wrap::Repeat, |_, _| 0.0);
-    texture.texels = vec![[0.25, 0.5, 0.75]; 16];
+    texture.texels = Texels::new(4, 4, vec![[0.25, 0.5, 0.75]; 16]);
     let textures = Textures::new(&[texture]);
     let colour = Textured::Image { texture: TextureId(0), factor: Spectrum::rgb(2.0, 1.0, 0.5) };
     assert_eq!(textures.colour(&colour, &Lookup::default()), Spectrum::rgb(0.5, 0.5, 0.375));

@@ -10,7 +10,7 @@ use pdembree::math::{Dir3, Frame, Point3, Transform, Vec3};
 use pdembree::radiometry::{Intensity, Irradiance, Radiance, Spectrum};
 use pdembree::scene::light::BeamExtent;
 use pdembree::scene::panorama::{Part, Projection};
-use pdembree::scene::texture::{Placement, Wrap};
+use pdembree::scene::texture::{Placement, Texels, Wrap};
 use pdembree::scene::{ImageTexture, Panorama, TriangleMesh};
 use pdembree::shape::{Cylinder, Disk, Rectangle, Shape, Sphere, Torus};
 
@@ -73,7 +73,8 @@ pub fn panorama(projection: Projection) -> Panorama {
     };
     let texels = (0..width * height).map(texel).collect();
     let wrap = [Wrap::Repeat; 2];
-    let image = ImageTexture { width, height, texels, wrap, placement: Placement::IDENTITY };
+    let texels = Texels::new(width, height, texels);
+    let image = ImageTexture { texels, wrap, placement: Placement::IDENTITY };
     let frame = Frame::from_unit(dir(0.3, 0.8, -0.4));
     let axes = [frame.t, -frame.b, frame.n].map(Dir3::from_unit);
     Panorama { image: Arc::new(image), projection, axes, factor: COLOUR, part: Part::All }

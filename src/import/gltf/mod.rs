@@ -72,7 +72,7 @@ fn parse_with(path: &Path, bytes: &[u8], wanted: &Wanted) -> Result<Imported, Pr
     let variant = variants::wanted(&document, wanted.variant.as_ref(), &source)?;
     let mut ignored = Ignored::default();
     note_ignored(&document, &mut ignored);
-    let textures = Textures::new(&buffers, folder, &source);
+    let textures = Textures::new(&buffers, folder, &source, &wanted.memory);
     let mut reading = Reading {
         source: &source,
         buffers: &buffers,

@@ -5,15 +5,15 @@ use std::path::Path;
 
 use gltf::material::NormalTexture;
 use gltf::texture::{Info, WrappingMode};
-use gltf::{Image, Texture, image};
+use gltf::{Image, Texture};
 use serde_json::Value;
 
 use super::buffers::Buffers;
 use super::uri::{Resource, resolve};
-use crate::import::image::{ColourSpace, from_bytes, opacity, read_file};
+use crate::import::image::{self, ColourSpace, from_bytes, opacity, read_file};
 use crate::scene::description::TextureDescription;
 use crate::scene::error::{Problem, Source};
-use crate::scene::texture::{ImageTexture, Placement, Wrap};
+use crate::scene::texture::{Placement, Raster, TextureMemory, Wrap};
 
 /// What of an image is used. Colours are encoded with the sRGB curve, single channels hold numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -45,6 +45,7 @@ pub(super) struct Textures<'a> {
     buffers: &'a Buffers<'a>,
     folder: &'a Path,
     source: &'a Source,
+    memory: &'a TextureMemory,
     pub described: Vec<TextureDescription>,
     known: HashMap<Key, usize>,
     /// Of all together.
@@ -52,8 +53,13 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(buffers: &'a Buffers<'a>, folder: &'a Path, source: &'a Source) -> Textures<'a> {
-        Textures { buffers, folder, source, described: Vec::new(), known: HashMap::new(), texels: 0 }
+    pub fn new(
+        buffers: &'a Buffers<'a>,
+        folder: &'a Path,
+        source: &'a Source,
+        memory: &'a TextureMemory,
+    ) -> Textures<'a> {
+        Textures { buffers, folder, source, memory, described: Vec::new(), known: HashMap::new(), texels: 0 }
     }
 
     /// The index of a texture, read if it is new.
@@ -75,14 +81,15 @@ impl<'a> Textures<'a> {
         if let Some(known) = self.known.get(&key) {
             return Ok(*known);
         }
-        let decoded = self.decode(&image, channels, wrap).map_err(|problem| self.of_image(&image, problem))?;
-        self.texels += decoded.texels.len();
+        let decoded = self.decode(&image, channels).map_err(|problem| self.of_image(&image, problem))?;
+        self.texels += decoded.samples.len();
         if self.texels > MAX_TEXELS {
             let problem = Problem::new(format!("the textures together have more than {MAX_TEXELS} texels"));
             return Err(problem.help("scale the images down").at(self.source));
         }
-        self.described
-            .push(TextureDescription { source: self.source.clone(), image: ImageTexture { placement, ..decoded } });
+        let placed = image::placed(decoded, wrap, placement, self.memory);
+        let image = placed.map_err(|problem| problem.at_unless_placed(self.source))?;
+        self.described.push(TextureDescription { source: self.source.clone(), image });
         self.known.insert(key, self.described.len() - 1);
         Ok(self.described.len() - 1)
     }
@@ -90,12 +97,12 @@ impl<'a> Textures<'a> {
     /// The mean colour of an image.
     pub fn mean(&self, info: &Info<'_>) -> Result<[f64; 3], Problem> {
         let image = info.texture().source();
-        let decoded = self.decode(&image, Channels::Colour, [Wrap::Repeat; 2]).map_err(|p| self.of_image(&image, p))?;
+        let decoded = self.decode(&image, Channels::Colour).map_err(|p| self.of_image(&image, p))?;
         let mut sum = [0.0; 3];
-        for texel in &decoded.texels {
+        for texel in decoded.texels() {
             sum = std::array::from_fn(|c| sum[c] + f64::from(texel[c]));
         }
-        Ok(sum.map(|s| s / decoded.texels.len() as f64))
+        Ok(sum.map(|s| s / decoded.samples.len() as f64))
     }
 
     fn of_image(&self, image: &Image<'_>, problem: Problem) -> Problem {
@@ -103,36 +110,32 @@ impl<'a> Textures<'a> {
         Problem { message, ..problem }.at_unless_placed(self.source)
     }
 
-    fn decode(&self, image: &Image<'_>, channels: Channels, wrap: [Wrap; 2]) -> Result<ImageTexture, Problem> {
+    fn decode(&self, image: &Image<'_>, channels: Channels) -> Result<Raster, Problem> {
         let space = if channels == Channels::Colour { ColourSpace::Srgb } else { ColourSpace::Linear };
         let read = |path: &Path, bytes: &[u8]| match channels {
-            Channels::Opacity | Channels::Mask(_) => opacity(path, bytes, wrap),
-            _ => from_bytes(path, bytes, Some(space), wrap),
+            Channels::Opacity | Channels::Mask(_) => opacity(path, bytes),
+            _ => from_bytes(path, bytes, Some(space)),
         };
         let decoded = match image.source() {
-            image::Source::View { view, .. } => {
+            gltf::image::Source::View { view, .. } => {
                 let bytes = self.buffers.view(&view);
                 let bytes = bytes.ok_or_else(|| Problem::new("its buffer view reaches out of its buffer"))?;
                 read(&self.source.file, bytes)?
             }
-            image::Source::Uri { uri, .. } => match resolve(uri, self.folder).map_err(Problem::new)? {
+            gltf::image::Source::Uri { uri, .. } => match resolve(uri, self.folder).map_err(Problem::new)? {
                 Resource::Embedded(bytes) => read(&self.source.file, &bytes)?,
                 Resource::File(path) => read(&path, &read_file(&path)?)?,
             },
         };
-        let channel = match channels {
-            Channels::Colour | Channels::Numbers | Channels::Opacity => return Ok(decoded),
+        Ok(match channels {
+            Channels::Colour | Channels::Numbers | Channels::Opacity => decoded,
             Channels::Mask(least) => {
-                let hard = |texel: &[f32; 3]| texel.map(|a| if a >= f32::from_bits(least) { 1.0 } else { 0.0 });
-                let texels = decoded.texels.iter().map(hard).collect();
-                return Ok(ImageTexture { texels, ..decoded });
+                decoded.mapped(|_, opacity| if opacity >= f32::from_bits(least) { 1.0 } else { 0.0 })
             }
-            Channels::Red => 0,
-            Channels::Green => 1,
-            Channels::Blue => 2,
-        };
-        let texels = decoded.texels.iter().map(|texel| [texel[channel]; 3]).collect();
-        Ok(ImageTexture { texels, ..decoded })
+            Channels::Red => decoded.component(0),
+            Channels::Green => decoded.component(1),
+            Channels::Blue => decoded.component(2),
+        })
     }
 }
 

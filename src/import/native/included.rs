@@ -64,7 +64,7 @@ pub(super) fn read_file(path: &Path, wanted: &Wanted) -> Result<Imported, Proble
         return gltf::read(path, wanted);
     }
     match wanted.camera.as_ref().or(wanted.variant.as_ref()) {
-        None => pbrt::read(path, wanted.lenient),
+        None => pbrt::read(path, wanted.lenient, &wanted.memory),
         Some(name) => {
             let problem =
                 Problem::new(format!("{} is a pbrt file: it has no cameras or variants by name", path.display()));

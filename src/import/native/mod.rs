@@ -28,21 +28,31 @@ use super::keyed::texts::Texts;
 use crate::scene::description::SceneDescription;
 use crate::scene::error::Problems;
 use crate::scene::settings::RenderSettings;
+use crate::scene::texture::TextureMemory;
 
 /// The version of the format that this program reads.
 const FORMAT: u64 = 1;
 
-/// Reads `text`, the content of `path`, with `overrides` laid over it; files that it names are found beside `path`.
+/// Reads `text`, the content of `path`, with `overrides` laid over it; files that it names are found beside `path`, textures find room in `memory`.
 ///
 /// The problems are those of the text and of the files it names. Unless the text is no TOML at all there is a
 /// description too, with placeholders where values were wrong, so that assembly can go on to find the other problems.
-pub fn describe(path: &Path, text: &str, overrides: &[Override]) -> (Option<SceneDescription>, Problems) {
-    describe_with(path, text, overrides, None)
+pub fn describe(
+    path: &Path,
+    text: &str,
+    overrides: &[Override],
+    memory: &TextureMemory,
+) -> (Option<SceneDescription>, Problems) {
+    describe_with(path, text, overrides, None, memory)
 }
 
 /// A glTF or pbrt file as if a scene file had nothing in it but that.
-pub fn describe_foreign(path: &Path, overrides: &[Override]) -> (Option<SceneDescription>, Problems) {
-    describe_with(path, "format = 1", overrides, Some(path))
+pub fn describe_foreign(
+    path: &Path,
+    overrides: &[Override],
+    memory: &TextureMemory,
+) -> (Option<SceneDescription>, Problems) {
+    describe_with(path, "format = 1", overrides, Some(path), memory)
 }
 
 fn describe_with(
@@ -50,6 +60,7 @@ fn describe_with(
     text: &str,
     overrides: &[Override],
     foreign: Option<&Path>,
+    memory: &TextureMemory,
 ) -> (Option<SceneDescription>, Problems) {
     let mut texts = Texts::new(path, text);
     let statements = overrides::statements(overrides, &mut texts);
@@ -62,18 +73,24 @@ fn describe_with(
     let mut table = document.into_inner();
     overrides::apply(&mut table, &statements, &texts, &mut problems);
     let reader = Reader::new(&texts, problems);
-    let description = read_scene(Section::new(&reader, "the scene", &table, span), path, foreign);
+    let description = read_scene(Section::new(&reader, "the scene", &table, span), path, foreign, memory);
     (description, reader.into_problems())
 }
 
-fn read_scene(root: Section<'_>, path: &Path, foreign: Option<&Path>) -> Option<SceneDescription> {
+fn read_scene(
+    root: Section<'_>,
+    path: &Path,
+    foreign: Option<&Path>,
+    memory: &TextureMemory,
+) -> Option<SceneDescription> {
     let folder = super::folder_of(path);
-    let mut assets = Assets::new(folder);
+    let mut assets = Assets::new(folder, memory.clone());
     let camera = root.table("camera");
     let wanted = Wanted {
         camera: camera.as_ref().and_then(|section| media::reference(section, "from")),
         variant: media::reference(&root, "variant"),
         lenient: root.or("lenient", Boolean, false),
+        memory: memory.clone(),
     };
     let included = match foreign {
         Some(path) => {

@@ -15,6 +15,7 @@ use crate::scene::PhotonChoice;
 use crate::scene::description::{Emission, ExtentDescription, LightDescription, LightModel};
 use crate::scene::error::Problem;
 use crate::scene::panorama::{Panorama, Part, Projection};
+use crate::scene::texture::TextureMemory;
 use crate::scene::texture::Wrap;
 
 /// `LightSource "kind" …`, placed by `to_world`; `None` for one that is switched off.
@@ -97,9 +98,11 @@ fn panorama(ps: &Parameters, file: &str, to_world: &DMat4, folder: &Path) -> Res
         return Err(ps.problem(format!("the light's scale is {scale}"), "it must be at least 0"));
     }
     let path = folder.join(file);
-    let image = image::read(&path, None, Wrap::Clamp).map_err(|problem| problem.at_unless_placed(&ps.source))?;
-    if image.width != image.height {
-        let message = format!("the image of {} × {} texels is no square", image.width, image.height);
+    let image = image::read(&path, None, Wrap::Clamp, &TextureMemory::unlimited());
+    let image = image.map_err(|problem| problem.at_unless_placed(&ps.source))?;
+    let (width, height) = (image.texels.width(), image.texels.height());
+    if width != height {
+        let message = format!("the image of {width} × {height} texels is no square");
         return Err(
             ps.problem(message, "pbrt's maps are equal-area octahedral ones: its `imgtool makeequiarea` makes them")
         );

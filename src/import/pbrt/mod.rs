@@ -29,6 +29,7 @@ use self::reading::Reading;
 use super::imported::Imported;
 use super::read_text;
 use crate::scene::error::{Problems, Source};
+use crate::scene::texture::TextureMemory;
 
 /// Bytes of a scene file; those of pbrt may hold their meshes.
 const MAX_BYTES: u64 = 1 << 30;
@@ -38,13 +39,13 @@ pub fn is_pbrt(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("pbrt"))
 }
 
-/// Reads the file and those that it names. `lenient`: what cannot be rendered is left out, with a warning.
+/// Reads the file and those that it names, textures to where `memory` has room for them. `lenient`: what cannot be rendered is left out, with a warning.
 ///
 /// # Errors
 /// Files that cannot be read, everything that is wrong in them, and without `lenient` what cannot be rendered.
-pub fn read(path: &Path, lenient: bool) -> Result<Imported, Problems> {
+pub fn read(path: &Path, lenient: bool, memory: &TextureMemory) -> Result<Imported, Problems> {
     let text = read_text(path, MAX_BYTES)?;
-    parse(path, &text, lenient)
+    parse_with(path, &text, lenient, memory)
 }
 
 /// Like [`read`] with the content of the file at hand; `path` is for messages and for finding other files.
@@ -52,9 +53,13 @@ pub fn read(path: &Path, lenient: bool) -> Result<Imported, Problems> {
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, text: &str, lenient: bool) -> Result<Imported, Problems> {
+    parse_with(path, text, lenient, &TextureMemory::default())
+}
+
+fn parse_with(path: &Path, text: &str, lenient: bool, memory: &TextureMemory) -> Result<Imported, Problems> {
     let source = Source::file(path);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reading = Reading::new(folder, &source, lenient);
+    let mut reading = Reading::new(folder, &source, lenient, memory);
     if !reading.read_text(text, &source) {
         return Err(Problems(reading.problems));
     }

@@ -19,6 +19,7 @@ use super::textures::Textures;
 use crate::import::ignored::Ignored;
 use crate::import::imported::Imported;
 use crate::scene::Caustics;
+use crate::scene::TextureMemory;
 use crate::scene::description::{
     Emission, LightDescription, ObjectDescription, Reference, ShapeDescription, TransformStep,
 };
@@ -70,7 +71,7 @@ pub(super) struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     /// Names of files are those of files in `folder`, that of the scene file at `source`.
-    pub fn new(folder: &'a Path, source: &'a Source, lenient: bool) -> Reading<'a> {
+    pub fn new(folder: &'a Path, source: &'a Source, lenient: bool, memory: &'a TextureMemory) -> Reading<'a> {
         let parameters = Parameters::new(Vec::new(), Vec::new(), source.clone(), "the material".to_owned());
         let usual = Chosen::Direct(Rc::new(Written { kind: "diffuse".to_owned(), parameters }));
         Reading {
@@ -88,7 +89,7 @@ impl<'a> Reading<'a> {
             kept: Kept::default(),
             systems: HashMap::from([("world".to_owned(), DMat4::IDENTITY)]),
             film: Film::new(source),
-            textures: Textures::new(folder),
+            textures: Textures::new(folder, memory),
             materials: Materials::new(),
             media: Media::default(),
             shapes: Shapes::new(folder),

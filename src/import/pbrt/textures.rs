@@ -7,11 +7,11 @@ use std::rc::Rc;
 use super::budget::Budget;
 use super::parameters::{Parameter, Parameters, shortened};
 use super::spectra;
-use crate::import::image::{ColourSpace, from_bytes, read_file};
+use crate::import::image::{ColourSpace, from_bytes, placed, read_file};
 use crate::scene::description::{Parameter as Described, TextureDescription};
 use crate::scene::error::{Problem, Source};
 use crate::scene::spelling::nearest;
-use crate::scene::texture::{ImageTexture, Placement, Wrap};
+use crate::scene::texture::{ImageTexture, Placement, Raster, TextureMemory, Wrap};
 
 /// Of all textures together.
 const MAX_TEXELS: usize = 1 << 28;
@@ -65,6 +65,7 @@ type UseKey = (usize, [u64; 3], Use);
 /// The textures of a file.
 pub(super) struct Textures<'a> {
     folder: &'a Path,
+    memory: &'a TextureMemory,
     /// `None` for one that was reported.
     named: HashMap<(Type, String), Option<Value>>,
     /// By the image, its factor and its use; with the image, so that no other one takes its address.
@@ -74,8 +75,9 @@ pub(super) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(folder: &'a Path) -> Textures<'a> {
-        Textures { folder, named: HashMap::new(), indices: HashMap::new(), described: Vec::new(), texels: 0 }
+    pub fn new(folder: &'a Path, memory: &'a TextureMemory) -> Textures<'a> {
+        let (named, indices) = (HashMap::new(), HashMap::new());
+        Textures { folder, memory, named, indices, described: Vec::new(), texels: 0 }
     }
 
     /// `Texture "name" "kind" "class" …`; `Err` with the texture known as one that was reported.
@@ -168,23 +170,26 @@ impl<'a> Textures<'a> {
             return Ok(Value::Constant(std::array::from_fn(|c| f(constants.map(|v| v[c])))));
         };
         let alike = |other: &ImageTexture| {
-            let size = (other.width, other.height) == (first.width, first.height);
-            size && other.wrap == first.wrap && other.placement == first.placement
+            let size = |image: &ImageTexture| (image.texels.width(), image.texels.height());
+            size(other) == size(first) && other.wrap == first.wrap && other.placement == first.placement
         };
         if !values.iter().filter_map(image).all(|other| alike(other)) {
             let message = "images of different sizes or mappings cannot be put together";
             return Err(ps.cannot(message, "make them agree, or bake the result to one image"));
         }
-        let texel = |i: usize| -> [f32; 3] {
-            let at = values.each_ref().map(|value| match value {
-                Value::Constant(constant) => *constant,
-                Value::Image { image, factor } => std::array::from_fn(|c| f64::from(image.texels[i][c]) * factor[c]),
-            });
-            std::array::from_fn(|c| f(at.map(|v| v[c])) as f32)
-        };
-        let texels = (0..first.texels.len()).map(texel).collect();
-        let combined = ImageTexture { texels, ..without_texels(first) };
-        self.keep(combined, &ps.source)
+        let (width, height) = (first.texels.width(), first.texels.height());
+        let mut rows = values.each_ref().map(|value| image(value).map(|image| image.texels.rows()));
+        let mut colours = Vec::with_capacity(width * height);
+        for j in 0..height {
+            let rows = rows.each_mut().map(|rows| rows.as_mut().map(|rows| rows.row(j)));
+            let value = |k: usize, i: usize, c: usize| match (&values[k], rows[k]) {
+                (Value::Constant(constant), _) => constant[c],
+                (Value::Image { factor, .. }, row) => row.map_or(0.0, |row| f64::from(row[i][c]) * factor[c]),
+            };
+            let texel = |i: usize| [0, 1, 2].map(|c| f([0, 1, 2].map(|k| value(k, i, c))) as f32);
+            colours.extend((0..width).map(texel));
+        }
+        self.keep(Raster::of_colours(width, height, colours), first.wrap, first.placement, &ps.source)
     }
 
     /// (1 − t) a + t b.
@@ -196,8 +201,15 @@ impl<'a> Textures<'a> {
         self.combine([value, Value::grey(scale), Value::grey(0.0)], |[a, b, _]| a * b, ps)
     }
 
-    fn keep(&mut self, image: ImageTexture, source: &Source) -> Result<Value, Problem> {
-        self.count(image.texels.len(), source)?;
+    fn keep(
+        &mut self,
+        raster: Raster,
+        wrap: [Wrap; 2],
+        placement: Placement,
+        source: &Source,
+    ) -> Result<Value, Problem> {
+        self.count(raster.samples.len(), source)?;
+        let image = placed(raster, wrap, placement, self.memory).map_err(|problem| problem.at_unless_placed(source))?;
         Ok(Value::Image { image: Rc::new(image), factor: [1.0; 3] })
     }
 
@@ -227,8 +239,8 @@ impl<'a> Textures<'a> {
         };
         // Two checks are the image.
         let placement = Placement { rows: [u, v].map(|row| row.map(|c| 0.5 * c)) };
-        let texels = (0..side * side).map(texel).collect();
-        self.keep(ImageTexture { width: side, height: side, texels, wrap: [Wrap::Repeat; 2], placement }, &ps.source)
+        let raster = Raster::of_colours(side, side, (0..side * side).map(texel).collect());
+        self.keep(raster, [Wrap::Repeat; 2], placement, &ps.source)
     }
 
     fn image_map(&mut self, kind: Type, ps: &Parameters) -> Result<Value, Problem> {
@@ -257,21 +269,17 @@ impl<'a> Textures<'a> {
         let (scale, invert, rows) = (ps.number("scale", 1.0)?, ps.flag("invert", false)?, mapping(ps)?);
         ps.ignore(&["filter", "maxanisotropy"]);
         let path = self.folder.join(name);
-        let read = read_file(&path).and_then(|bytes| from_bytes(&path, &bytes, space, [wrap; 2]));
-        let mut image = read.map_err(|problem| problem.at_unless_placed(&ps.source))?;
-        image.placement = Placement { rows };
-        for texel in &mut image.texels {
-            let mut linear = texel.map(f64::from);
-            if let Some(gamma) = gamma {
-                linear = linear.map(|c| c.powf(gamma));
-            }
-            if kind == Type::Float {
-                linear = [linear.iter().sum::<f64>() / 3.0; 3];
-            }
-            let shown = linear.map(|c| if invert { 1.0 - scale * c } else { scale * c }.max(0.0));
-            *texel = shown.map(|c| c as f32);
-        }
-        self.keep(image, &ps.source)
+        let read = read_file(&path).and_then(|bytes| from_bytes(&path, &bytes, space));
+        let raster = read.map_err(|problem| problem.at_unless_placed(&ps.source))?;
+        let linear = |c: f32| gamma.map_or(f64::from(c), |gamma| f64::from(c).powf(gamma));
+        let shown = |c: f64| if invert { 1.0 - scale * c } else { scale * c }.max(0.0) as f32;
+        let raster = if kind == Type::Float {
+            let mean = |texel: [f32; 3]| [shown(texel.map(linear).iter().sum::<f64>() / 3.0); 3];
+            Raster::of_colours(raster.width, raster.height, raster.texels().map(mean).collect())
+        } else {
+            raster.mapped(|_, c| shown(linear(c)))
+        };
+        self.keep(raster, [wrap; 2], Placement { rows }, &ps.source)
     }
 
     /// A reflectance or another share of light in each channel; what is above 1 becomes 1.
@@ -313,15 +321,15 @@ impl<'a> Textures<'a> {
             return Ok(*known);
         }
         self.count(image.texels.len(), source)?;
-        let texel = |texel: &[f32; 3]| {
-            let value: [f64; 3] = std::array::from_fn(|c| f64::from(texel[c]) * factor[c]);
+        let texels = image.texels.mapped(|c, value| {
+            let value = f64::from(value) * factor[c];
             let value = match used {
-                Use::Reflectance => value.map(|c| c.clamp(0.0, 1.0)),
-                Use::Roughness { remapped } => value.map(|c| artists_roughness(c, remapped)),
+                Use::Reflectance => value.clamp(0.0, 1.0),
+                Use::Roughness { remapped } => artists_roughness(value, remapped),
             };
-            value.map(|c| c as f32)
-        };
-        let image_used = ImageTexture { texels: image.texels.iter().map(texel).collect(), ..without_texels(image) };
+            value as f32
+        });
+        let image_used = ImageTexture { texels, ..**image };
         self.described.push(TextureDescription { source: source.clone(), image: image_used });
         let index = self.described.len() - 1;
         self.indices.insert(key, (index, image.clone()));
@@ -340,10 +348,6 @@ fn image(value: &Value) -> Option<&Rc<ImageTexture>> {
         Value::Constant(_) => None,
         Value::Image { image, .. } => Some(image),
     }
-}
-
-fn without_texels(image: &ImageTexture) -> ImageTexture {
-    ImageTexture { texels: Vec::new(), ..*image }
 }
 
 /// Rows of the map from texture coordinates to those of the texture.

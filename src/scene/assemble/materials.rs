@@ -179,16 +179,13 @@ impl Materials {
             }
             Parameter::Image { texture, factor } => {
                 let Some(image) = self.textures.get(texture) else { return Textured::Constant(1.0) };
-                let mut squared = image.clone();
-                let mut raised = false;
-                for channel in squared.texels.iter_mut().flatten() {
-                    let alpha = (f64::from(*channel) * factor).clamp(0.0, 1.0).powi(2);
-                    raised |= alpha < MIN_ALPHA;
-                    *channel = alpha.max(MIN_ALPHA) as f32;
-                }
-                if raised {
+                let alpha = |roughness: f32| (f64::from(roughness) * factor).clamp(0.0, 1.0).powi(2);
+                // It goes up, or down, all the way.
+                if image.texels.extremes().as_flattened().iter().any(|roughness| alpha(*roughness) < MIN_ALPHA) {
                     checks.raised_roughness();
                 }
+                let texels = image.texels.mapped(|_, roughness| alpha(roughness).max(MIN_ALPHA) as f32);
+                let squared = ImageTexture { texels, ..*image };
                 self.textures.push(squared);
                 Textured::Image { texture: TextureId(self.textures.len() as u32 - 1), factor: 1.0 }
             }
@@ -197,7 +194,7 @@ impl Materials {
 }
 
 fn brightest(image: &ImageTexture) -> [f32; 3] {
-    image.texels.iter().fold([0.0; 3], |max, texel| std::array::from_fn(|c| max[c].max(texel[c])))
+    image.texels.extremes()[1].map(|most| most.max(0.0))
 }
 
 struct Checks<'a> {

@@ -134,11 +134,11 @@ impl Canonical {
             self.tag("image again");
             return self.count(place);
         }
-        let ImageTexture { width, height, texels, wrap: [across, up], placement } = &texture.image;
+        let ImageTexture { texels, wrap: [across, up], placement } = &texture.image;
         self.tag("image");
-        self.count(*width);
-        self.count(*height);
-        self.singles(texels);
+        self.count(texels.width());
+        self.count(texels.height());
+        self.texels(texels);
         self.tag(wrap_name(*across));
         // Only where they are set, as with settings.
         if up != across {
