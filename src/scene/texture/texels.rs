@@ -83,10 +83,11 @@ impl Texels {
     pub(super) fn place(raster: Raster, memory: &TextureMemory) -> Texels {
         let kind = raster.samples.kind();
         let coarser = (raster.samples.len() * kind.coarser_size()).div_ceil(3) as u64;
-        if !is_small(&raster) && !memory.has_room(raster.samples.size() + coarser) {
-            if let Some(tiles) = Tiles::write(&raster, memory) {
-                return Texels::at(raster, Place::Tiled(tiles), memory, None);
-            }
+        if !is_small(&raster)
+            && !memory.has_room(raster.samples.size() + coarser)
+            && let Some(tiles) = Tiles::write(&raster, memory)
+        {
+            return Texels::at(raster, Place::Tiled(tiles), memory, None);
         }
         let promise = Some(Arc::new(memory.claim(coarser)));
         let claim = Some(memory.claim(raster.samples.size()));
