@@ -38,9 +38,12 @@ impl Medium {
 
     /// What `beta` is to be multiplied by where it met the medium after this distance.
     pub fn weight_at(&self, beta: Spectrum, distance: f64) -> Spectrum {
-        let left = self.transmittance(distance);
-        let density = sum(&shares(beta), &self.extinction().to_array(), left);
-        self.scattering * left / density
+        self.scattering * self.transmittance(distance) / self.density_at(beta, distance)
+    }
+
+    /// The density with which [`Medium::draw_column`] finds a distance, 1/m.
+    pub fn density_at(&self, beta: Spectrum, distance: f64) -> f64 {
+        sum(&shares(beta), &self.extinction().to_array(), self.transmittance(distance))
     }
 
     /// What `beta` is to be multiplied by where it met nothing over `length`.

@@ -2,6 +2,7 @@
 //!
 //! All of it is [`Medium`]'s own mathematics in terms of the column ∫ ρ ds, which in an even medium is the distance.
 
+use super::chances::Chances;
 use super::column::Reached;
 use super::equiangular::Equiangular;
 use crate::math::{Dir3, Point3};
@@ -66,21 +67,38 @@ impl<'a> Way<'a> {
         Some((t, self.medium.transmittance(column), density))
     }
 
-    /// A place on the way at which light that carries `beta` is scattered to a point, and what `beta` is to be multiplied by
-    /// for that: drawn in one half of all cases as [`Way::draw_within`] does and in the other over the angles that the point
+    /// A place on the way at which light that carries `beta` is scattered to a point, how likely it was drawn, and what `beta`
+    /// is to be multiplied by for that: drawn in one half of all cases as [`Way::draw_within`] does and in the other over the angles that the point
     /// sees, if there is one; both densities are weighed `[Veach97 9.2.2]`. `None` where nothing can happen.
-    pub fn draw_towards(&self, point: Option<Point3>, beta: Spectrum, u: [f64; 3]) -> Option<(f64, Spectrum)> {
+    pub fn draw_towards(&self, point: Option<Point3>, beta: Spectrum, u: [f64; 3]) -> Option<(Chances, Spectrum)> {
         let angles = point.and_then(|point| Equiangular::new(self.origin, self.w, self.within(), point));
-        let Some(angles) = angles else { return self.draw_within(beta, [u[1], u[2]]) };
-        let t = if u[0] < 0.5 {
-            angles.sample(u[2]).clamp(self.from, self.to)
-        } else {
-            self.place_within(beta, [u[1], u[2]])?.0
+        let t = match angles {
+            Some(angles) if u[0] < 0.5 => angles.sample(u[2]).clamp(self.from, self.to),
+            _ => self.place_within(beta, [u[1], u[2]])?.0,
         };
-        let (column, whole) = (Way { to: t, ..*self }.column(), self.column());
-        let density = self.medium.density.as_ref().map_or(1.0, |grid| grid.at(self.origin + self.w * t));
-        let pdf = 0.5 * (angles.pdf(t) + self.medium.density_within(beta, whole, column) * density);
-        Some((t, self.medium.scattering * self.medium.transmittance(column) * (density / pdf)))
+        let (column, density) = (Way { to: t, ..*self }.column(), self.density(t));
+        if density == 0.0 {
+            return None;
+        }
+        let chances = self.chances_of(beta, t, column, density);
+        let pdf = chances.towards(point);
+        Some((chances, self.medium.scattering * self.medium.transmittance(column) * (density / pdf)))
+    }
+
+    /// How likely a place is drawn for light that carries `beta`.
+    pub fn chances(&self, beta: Spectrum, t: f64) -> Chances {
+        self.chances_of(beta, t, Way { to: t, ..*self }.column(), self.density(t))
+    }
+
+    fn chances_of(&self, beta: Spectrum, t: f64, column: f64, density: f64) -> Chances {
+        let event = self.medium.density_at(beta, column) * density;
+        let on_the_way = self.medium.density_within(beta, self.column(), column) * density;
+        Chances { origin: self.origin, w: self.w, within: self.within(), t, event, on_the_way }
+    }
+
+    /// ρ at a distance.
+    fn density(&self, t: f64) -> f64 {
+        self.medium.density.as_ref().map_or(1.0, |grid| grid.at(self.origin + self.w * t))
     }
 
     fn reach(&self, column: f64) -> Reached {
@@ -166,8 +184,8 @@ mod tests {
                 let (n, mut sums) = (20_000, [[0.0; 2]; 3]);
                 for _ in 0..n {
                     let u = [stream.uniform(), stream.uniform(), stream.uniform()];
-                    let Some((t, weight)) = way.draw_towards(point, beta, u) else { continue };
-                    for (sum, x) in sums.iter_mut().zip((weight * near(t)).to_array()) {
+                    let Some((place, weight)) = way.draw_towards(point, beta, u) else { continue };
+                    for (sum, x) in sums.iter_mut().zip((weight * near(place.t)).to_array()) {
                         *sum = [sum[0] + x, sum[1] + x * x];
                     }
                 }

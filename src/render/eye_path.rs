@@ -15,8 +15,8 @@ use crate::differential::{Column, Differential, Refraction, reflect, refract, tr
 use crate::estimate::{Asks, GatherPoint, Turn};
 use crate::film::{Arrival, EyeSample, LightKind, Met, Part};
 use crate::light::Receiver;
-use crate::math::{Dir3, Frame, Ray, Vec3};
-use crate::medium::Inside;
+use crate::math::{Dir3, Frame, Point3, Ray, Vec3};
+use crate::medium::{Chances, Inside};
 use crate::radiometry::{Pdf, SolidAngle, Spectrum, measure::power_heuristic};
 use crate::sampling::{PixelSample, Stream};
 use crate::scene::LightId;
@@ -83,14 +83,23 @@ struct Walk {
     walked: Walked,
     /// Whether there was a delta event behind one that was none.
     sent_back: bool,
-    /// Where the last scattering event was and the density of its direction.
-    scattered: Option<(Receiver, Pdf<SolidAngle>)>,
+    scattered: Option<Scattered>,
     /// Whether all other light of the edge under way is the photons'.
     looks_for_lights_only: bool,
     /// Whether photons bring their part of that of lights, too.
     shared: bool,
     /// What the ray is inside of; not kept where there are no media.
     inside: Inside,
+}
+
+/// The last event that was no delta one.
+#[derive(Clone, Copy)]
+struct Scattered {
+    from: Receiver,
+    /// Of the direction that was drawn there.
+    pdf: Pdf<SolidAngle>,
+    /// How likely its place was drawn, in a medium.
+    place: Option<Chances>,
 }
 
 impl Walk {
@@ -181,9 +190,9 @@ impl EyePathTracer<'_> {
                 Some(regions) => match self.fly(regions, walk, edge, stream, seen, aside) {
                     Flown::Surface(si) => Some(si),
                     Flown::Escaped => None,
-                    Flown::Stopped(at) => {
-                        seen.medium(regions, &at, edge);
-                        if self.scatter_in_medium(regions, walk, &at, edge, stream, &mut seen.sample) {
+                    Flown::Stopped(event) => {
+                        seen.medium(regions, &event.at, edge);
+                        if self.scatter_in_medium(regions, walk, &event, edge, stream) {
                             continue;
                         }
                         return;
@@ -255,7 +264,7 @@ impl EyePathTracer<'_> {
                     walk.bounces += 1;
                 }
                 walk.chain = 0;
-                walk.scattered = Some((receiver(si), pdf));
+                walk.scattered = Some(Scattered { from: receiver(si), pdf, place: None });
                 walk.differential = self.gathered_over(next.wi, pdf);
             }
             Event::DeltaReflection { .. } | Event::DeltaTransmission { .. } => {
@@ -295,7 +304,7 @@ impl EyePathTracer<'_> {
             let w = walk.w;
             let next_event =
                 |from: &Receiver| lights.pdf_li(id, from.p, w, (si.p, si.ng), si.time) * lights.pick_pmf(from, id);
-            self.add_found(walk, (id, radiance), sample, next_event);
+            self.add_found(walk, (id, radiance), sample, Some(si.p), next_event);
         }
     }
 
@@ -305,24 +314,26 @@ impl EyePathTracer<'_> {
             let (w, radiance) = (walk.w, light.environment_radiance(walk.w).0);
             if !radiance.is_black() {
                 let next_event = |from: &Receiver| light.environment_pdf(w) * lights.pick_pmf(from, id);
-                self.add_found(walk, (id, radiance), sample, next_event);
+                self.add_found(walk, (id, radiance), sample, None, next_event);
             }
         }
     }
 
-    /// Adds light that the path ran into, weighted against next-event estimation from the last scattering vertex.
+    /// Adds light that the path ran into, at a point or infinitely far away, weighted against next-event estimation from the last scattering vertex.
     fn add_found(
         &self,
         walk: &mut Walk,
         (light, radiance): (LightId, Spectrum),
         sample: &mut EyeSample,
+        point: Option<Point3>,
         next_event: impl Fn(&Receiver) -> Pdf<SolidAngle>,
     ) {
         let (part, weight) = match walk.scattered {
             None => (Part::Direct, 1.0),
             Some(_) if walk.chain > 0 => (Part::Caustic, 1.0),
-            Some((from, pdf)) => {
-                let weight = power_heuristic(pdf.get(), next_event(&from).get());
+            Some(Scattered { from, pdf, place }) => {
+                let odds = place.map_or(1.0, |place| place.odds(point));
+                let weight = power_heuristic(pdf.get(), next_event(&from).get() * odds);
                 // The edge just flown belongs to the bounce before it.
                 let part = match walk.order() {
                     1.. if walk.walked.from_glossy => Part::Caustic,

@@ -65,6 +65,28 @@ fn global_photons_and_eye_paths_agree_in_fog() {
     }
 }
 
+/// `scenes/shaft`: light that waves focus into the water under them, of a sun that no eye path finds. The camera looks down, not
+/// at the surface from below: light paths are not connected over what it mirrors.
+#[test]
+fn shafts_of_light_under_water_are_as_light_paths_find_them() {
+    let shaft = include_str!("../../scenes/shaft/shaft.toml");
+    let looking_down = [
+        ("[320, 240]", "[16, 16]"),
+        ("target = [0, -1.5, 0]", "target = [0, -2.4, 0]"),
+        ("fov_degrees = 48", "fov_degrees = 30"),
+        ("passes = 16\n", ""),
+    ];
+    let shaft = looking_down.into_iter().fold(shaft.to_owned(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replace(from, to)
+    });
+    let both = [pictures(&shaft, &Settings { photons: 160_000, ..PHOTON_MAP }), pictures(&shaft, &LIGHT)];
+    for layer in ["focused", "scattered"] {
+        println!("{layer} {}", means(&both, layer));
+        assert!(assert_blocks_agree(&both, layer, BLOCK) > 0.0, "{layer}");
+    }
+}
+
 #[test]
 fn eye_paths_and_light_paths_agree_in_fog() {
     let fog = ball_in_fog(1);

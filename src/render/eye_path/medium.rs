@@ -1,19 +1,19 @@
 //! The eye's path through participating media: volumetric path tracing.
 //!
 //! On every edge a place of scattering is drawn in proportion to what is left there (`medium::homogeneous`); it is a vertex
-//! of class D like one on a matte surface. From it a light is looked for, weighted by the power heuristic against the
-//! direction that the phase function draws [Veach97 9.2.4]. Where nothing that is scattered would be the eye's, light is
-//! only attenuated.
+//! of class D like one on a matte surface. A light is looked for from a place of its own on the same edge, half of these spread
+//! over the angles under which the light sees the edge; both are weighed by the power heuristic, with the densities of the
+//! place and of the direction [Veach97 9.2.4]. Where nothing that is scattered would be the eye's, light is only attenuated.
 
 use std::ops::ControlFlow;
 
-use super::{Aside, EyePathTracer, Seen, Walk, survives_roulette};
+use super::{Aside, EyePathTracer, Scattered, Seen, Walk, survives_roulette};
 use crate::estimate::beams::{EyeSegment, Place};
 use crate::film::{EyeSample, LightKind, Part};
 use crate::light::Receiver;
 use crate::light::select::LightChoice;
 use crate::math::Ray;
-use crate::medium::{HenyeyGreenstein, Regions, Stretch, Way};
+use crate::medium::{Chances, HenyeyGreenstein, Regions, Stretch, Way};
 use crate::radiometry::measure::power_heuristic;
 use crate::render::partition::EyeFinds;
 use crate::sampling::Stream;
@@ -21,6 +21,13 @@ use crate::world::{Flown, MediumPoint};
 
 /// How many of the edges behind a bounce ask for beams, for all of them: each crosses hundreds, and a pixel averages many.
 const ASKING_BEHIND_A_BOUNCE: f64 = 0.25;
+
+/// Light is scattered towards the eye's path at a place, which may have been drawn in two ways.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Event {
+    pub(super) at: MediumPoint,
+    chances: Chances,
+}
 
 impl Seen {
     /// Light is scattered at a place in a medium on edge `edge`: the layers that show what the eye sees first.
@@ -48,7 +55,7 @@ impl EyePathTracer<'_> {
         stream: &mut Stream,
         seen: &mut Seen,
         aside: &mut Vec<Aside>,
-    ) -> Flown<MediumPoint> {
+    ) -> Flown<Event> {
         let may_scatter =
             self.task.finds != EyeFinds::Emitters && !walk.looks_for_lights_only && walk.bounces <= self.max_bounces;
         let asked = self.beams.filter(|_| may_scatter && self.task.finds.leaves_focused() && !walk.shared);
@@ -57,10 +64,10 @@ impl EyePathTracer<'_> {
         let eye = walk.differential.columns().map(|c| (c.dx * self.sample_radius, c.dw * self.sample_radius));
         let bounces = if walk.bounces == 0 { u32::MAX } else { self.max_bounces.saturating_sub(walk.bounces) };
         let parts = walk.scattered.is_none();
-        let start = parts.then(|| walk.clone());
+        let mut start = walk.clone();
         let (ray, w, beta) = (walk.ray, walk.w, &mut walk.beta);
         let along_rays = asked.is_none_or(|beams| beams.asks_along_rays());
-        self.world.fly(regions, &ray, &mut walk.inside, |stretch, inside| {
+        let flown = self.world.fly(regions, &ray, &mut walk.inside, |stretch, inside| {
             let (medium, way) = (regions.get(stretch.medium), regions.way(stretch, ray.origin, w));
             if !may_scatter || !medium.scatters() {
                 *beta *= way.transmittance();
@@ -85,13 +92,12 @@ impl EyePathTracer<'_> {
                 });
             }
             let before = *beta;
-            if let Some(start) = &start {
-                let walk = Walk { beta: before, inside, ..start.clone() };
-                self.add_direct_light_along(regions, &walk, stretch, stream, &mut seen.sample);
-            }
-            let (event, weight) = way.draw(before, stream.uniform2());
+            start.beta = before;
+            start.inside = inside;
+            self.add_direct_light_along(regions, &mut start, stretch, stream, &mut seen.sample);
+            let (place, weight) = way.draw(before, stream.uniform2());
             *beta = before * if parts { way.transmittance() } else { weight };
-            let Some(t) = event else { return ControlFlow::Continue(()) };
+            let Some(t) = place else { return ControlFlow::Continue(()) };
             let at = MediumPoint { p: ray.at(t), t, time: ray.time, medium: stretch.medium };
             if let Some(beams) = asked.filter(|_| !along_rays)
                 && (asking == 1.0 || stream.uniform() < asking)
@@ -102,33 +108,34 @@ impl EyePathTracer<'_> {
                     seen.sample.add(kind, before * weight * light * (1.0 / asking))
                 });
             }
-            let Some(start) = &start else { return ControlFlow::Break(at) };
+            let event = Event { at, chances: way.chances(before, t) };
+            if !parts {
+                return ControlFlow::Break(event);
+            }
             seen.medium(regions, &at, edge);
-            let mut walk = Walk { beta: before * weight, inside, ..start.clone() };
-            if self.scatter_in_medium(regions, &mut walk, &at, edge, stream, &mut seen.sample) {
+            let mut walk = Walk { beta: before * weight, ..start.clone() };
+            if self.scatter_in_medium(regions, &mut walk, &event, edge, stream) {
                 aside.push(Aside { walk, edge: edge + 1 });
             }
             ControlFlow::Continue(())
-        })
+        });
+        walk.first_light = start.first_light;
+        flown
     }
 
-    /// Light from lights at a place in a medium, and the way on; false where the path ends.
+    /// The way on from a place in a medium, whose light from lights has been looked for along the whole stretch; false where
+    /// the path ends.
     pub(super) fn scatter_in_medium(
         &self,
         regions: &Regions,
         walk: &mut Walk,
-        at: &MediumPoint,
+        Event { at, chances }: &Event,
         edge: u32,
         stream: &mut Stream,
-        sample: &mut EyeSample,
     ) -> bool {
         let phase = HenyeyGreenstein::new(regions.get(at.medium).asymmetry);
         if walk.beta.is_black() {
             return false;
-        }
-        // What the eye's own ray scatters has been looked for along all of it.
-        if walk.scattered.is_some() {
-            self.add_direct_light_in_medium(regions, walk, at, stream, sample);
         }
         let u = walk.first_bounce.take().map_or_else(|| stream.uniform2(), |(_, u)| u);
         let (wi, pdf) = phase.turn(walk.w, u);
@@ -136,7 +143,7 @@ impl EyePathTracer<'_> {
         walk.looks_for_lights_only = self.task.finds.leaves_scattered(walk.bounces);
         walk.bounces += 1;
         walk.chain = 0;
-        walk.scattered = Some((Receiver { p: at.p, n: None }, pdf));
+        walk.scattered = Some(Scattered { from: Receiver { p: at.p, n: None }, pdf, place: Some(*chances) });
         walk.differential = self.gathered_over(wi, pdf);
         if !survives_roulette(walk, edge, stream) {
             return false;
@@ -146,30 +153,20 @@ impl EyePathTracer<'_> {
         true
     }
 
-    fn add_direct_light_in_medium(
-        &self,
-        regions: &Regions,
-        walk: &mut Walk,
-        at: &MediumPoint,
-        stream: &mut Stream,
-        sample: &mut EyeSample,
-    ) {
-        let (choice, u) = walk.first_light.take().unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
-        let Some(choice) = self.world.lights.pick(&Receiver { p: at.p, n: None }, choice) else { return };
-        self.add_light_at(regions, walk, at, (choice, u), sample);
-    }
-
-    /// Light from a light that a stretch of the eye's own ray scatters once: at a place drawn for that light, on every such
-    /// stretch. `walk` is how it came to the stretch.
+    /// Light from a light that a stretch scatters once towards the path: at a place drawn for that light, whether the path goes
+    /// on from the stretch or past it. Left to the places that paths go on from, it would be seldom and bright close to lamps.
+    /// `walk` is how it came to the stretch.
     fn add_direct_light_along(
         &self,
         regions: &Regions,
-        walk: &Walk,
+        walk: &mut Walk,
         stretch: &Stretch,
         stream: &mut Stream,
         sample: &mut EyeSample,
     ) {
-        let (choice, u) = walk.first_light.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
+        // The eye's own ray and the first vertex behind it may each be the first that looks for a light.
+        let first = if walk.scattered.is_none() { walk.first_light } else { walk.first_light.take() };
+        let (choice, u) = first.unwrap_or_else(|| (stream.uniform(), stream.uniform2()));
         let [side, channel, place] = [stream.uniform(), stream.uniform(), stream.uniform()];
         let (ray, time) = (&walk.ray, walk.ray.time);
         // The light's own numbers say which point of it is meant: with each of them the mean over the places is the light there.
@@ -178,17 +175,17 @@ impl EyePathTracer<'_> {
         let point = self.world.lights.sample_li(choice.light, middle, u, time);
         let point = point.filter(|found| found.distance.is_finite()).map(|found| middle + found.wi * found.distance);
         let way = regions.way(stretch, ray.origin, walk.w);
-        let Some((t, weight)) = way.draw_towards(point, walk.beta, [side, channel, place]) else { return };
+        let Some((chances, weight)) = way.draw_towards(point, walk.beta, [side, channel, place]) else { return };
         let lit = Walk { beta: walk.beta * weight, ..walk.clone() };
-        let at = MediumPoint { p: ray.at(t), t, time, medium: stretch.medium };
-        self.add_light_at(regions, &lit, &at, (choice, u), sample);
+        let at = MediumPoint { p: ray.at(chances.t), t: chances.t, time, medium: stretch.medium };
+        self.add_light_at(regions, &lit, &Event { at, chances }, (choice, u), sample);
     }
 
     fn add_light_at(
         &self,
         regions: &Regions,
         walk: &Walk,
-        at: &MediumPoint,
+        Event { at, chances }: &Event,
         (choice, u): (LightChoice, [f64; 2]),
         sample: &mut EyeSample,
     ) {
@@ -204,7 +201,8 @@ impl EyePathTracer<'_> {
             Some(pdf) => {
                 // As the phase function's own paths count it, wherever the light was chosen.
                 let chance = self.world.lights.pick_pmf(&Receiver { p: at.p, n: None }, choice.light);
-                power_heuristic((pdf * chance).get(), value)
+                let point = found.distance.is_finite().then(|| at.p + found.wi * found.distance);
+                power_heuristic((pdf * chance).get() * chances.odds(point), value)
             }
         };
         let weight = weight * self.part_of(walk, choice.light);
