@@ -119,6 +119,7 @@ pub struct MediumDescription {
 
 /// Linear Rec.709 triples; roughness is the artist's number, whose square is the GGX width.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a scene has a few of them, copied while it is read")]
 pub enum MaterialModel {
     Lambert {
         albedo: Parameter<[f64; 3]>,
@@ -158,6 +159,8 @@ pub enum MaterialModel {
         ior: f64,
         thin: bool,
         normal: Option<NormalMapDescription>,
+        specular: Option<SpecularDescription>,
+        coat: Option<CoatDescription>,
     },
     /// No surface, only the boundary of a medium.
     Interface,
@@ -173,6 +176,36 @@ impl MaterialModel {
                 | MaterialModel::Principled { .. }
                 | MaterialModel::Interface
         )
+    }
+}
+
+/// What the reflectance over a principled material's diffuse base is multiplied by: everywhere, and at normal incidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecularDescription {
+    pub weight: Parameter<f64>,
+    pub colour: Parameter<[f64; 3]>,
+}
+
+/// The dielectric layer over a principled material, of which there is the part `weight`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoatDescription {
+    pub weight: Parameter<f64>,
+    pub roughness: Parameter<f64>,
+    pub ior: f64,
+}
+
+impl SpecularDescription {
+    /// `None` where it changes nothing.
+    pub fn unless_plain(self) -> Option<SpecularDescription> {
+        let plain = SpecularDescription { weight: Parameter::Constant(1.0), colour: Parameter::Constant([1.0; 3]) };
+        (self != plain).then_some(self)
+    }
+}
+
+impl CoatDescription {
+    /// `None` where there is nothing of it.
+    pub fn unless_bare(self) -> Option<CoatDescription> {
+        (self.weight != Parameter::Constant(0.0)).then_some(self)
     }
 }
 

@@ -35,9 +35,34 @@ pub enum Material {
         ior: f64,
         thin: bool,
         normal: Option<NormalMap>,
+        specular: Option<Specular>,
+        coat: Option<Coat>,
     },
     /// No surface, only the boundary of a medium: light does not notice it.
     Interface,
+}
+
+/// Of a principled material's reflectance over its diffuse base: `weight`, in [0, 1], multiplies all of it, `colour`, any
+/// from 0 on, that at normal incidence, which is cut off at 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular {
+    pub weight: Textured<f64>,
+    pub colour: Textured<Spectrum>,
+}
+
+/// A dielectric layer over all of a principled material, on the part `weight` in [0, 1] of it; `alpha` is 0 for a smooth one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coat {
+    pub weight: Textured<f64>,
+    pub alpha: Textured<f64>,
+    pub ior: f64,
+}
+
+impl Coat {
+    /// Whether it is smooth all over: an image of roughness never is.
+    pub fn is_smooth(&self) -> bool {
+        self.alpha == Textured::Constant(0.0)
+    }
 }
 
 /// An image that bends shading normals.
@@ -58,11 +83,25 @@ impl Material {
             Material::RoughDielectric { alpha, .. } | Material::RoughConductor { alpha, .. } => {
                 matches!(alpha, Textured::Image { .. })
             }
-            Material::Principled { base_colour, metalness, transmission, coverage, alpha, normal, .. } => {
-                let numbers = [metalness, transmission, coverage, alpha];
-                matches!(base_colour, Textured::Image { .. })
+            Material::Principled {
+                base_colour,
+                metalness,
+                transmission,
+                coverage,
+                alpha,
+                normal,
+                specular,
+                coat,
+                ..
+            } => {
+                let colours = [Some(base_colour), specular.as_ref().map(|specular| &specular.colour)];
+                let layers = [specular.as_ref().map(|s| &s.weight), coat.as_ref().map(|c| &c.weight)];
+                let coat_alpha = coat.as_ref().map(|coat| &coat.alpha);
+                let layers = layers.into_iter().chain([coat_alpha]).flatten();
+                let mut numbers = [metalness, transmission, coverage, alpha].into_iter().chain(layers);
+                colours.into_iter().flatten().any(|colour| matches!(colour, Textured::Image { .. }))
                     || normal.is_some()
-                    || numbers.iter().any(|number| matches!(number, Textured::Image { .. }))
+                    || numbers.any(|number| matches!(number, Textured::Image { .. }))
             }
             Material::Dielectric { .. } | Material::Conductor { .. } | Material::Interface => false,
         }
@@ -85,7 +124,10 @@ impl Material {
     pub fn can_focus(&self) -> bool {
         match self {
             Material::Lambert { .. } | Material::Interface => false,
-            Material::Principled { .. } => self.is_smooth() || self.has_holes() || !self.has_diffuse_base(),
+            Material::Principled { coat, .. } => {
+                let mirrors = coat.is_some_and(|coat| coat.is_smooth());
+                self.is_smooth() || mirrors || self.has_holes() || !self.has_diffuse_base()
+            }
             Material::Mirror { .. }
             | Material::Dielectric { .. }
             | Material::Conductor { .. }
@@ -114,7 +156,7 @@ impl Material {
         *self == Material::Interface
     }
 
-    /// Whether a principled material is smooth all over: an image of roughness never is, glass that bends nothing always.
+    /// Whether a principled material is smooth all over below its coat: an image of roughness never is, glass that bends nothing always.
     pub fn is_smooth(&self) -> bool {
         let Material::Principled { alpha, metalness, transmission, ior, thin, .. } = self else { return false };
         let all_glass = *metalness == Textured::Constant(0.0) && *transmission == Textured::Constant(1.0);

@@ -12,6 +12,8 @@
 //! side of `wo` [Veach97 5.2]. The correction of photons for shading normals is not in any value or weight here: callers
 //! multiply by [`super::adjoint::shading_normal_factor`] at non-delta events.
 
+use super::bsdfs::coat::Coat;
+use super::bsdfs::coated::Coated;
 use super::bsdfs::conductor::Conductor;
 use super::bsdfs::dielectric::Dielectric;
 use super::bsdfs::lambert::Lambert;
@@ -40,6 +42,7 @@ enum Model {
     RoughConductor(RoughConductor),
     Plastic(Plastic),
     Principled(Principled),
+    Coated(Coated),
 }
 
 /// A material at a point, its textures looked up.
@@ -104,20 +107,41 @@ impl Bsdf {
                 }
             }
             Material::Plastic { albedo, ior } => Model::Plastic(Plastic::new(colour(albedo), *ior)),
-            Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, .. } => {
+            Material::Principled {
+                base_colour,
+                metalness,
+                transmission,
+                coverage,
+                alpha,
+                ior,
+                thin,
+                specular,
+                coat,
+                ..
+            } => {
                 // What the material is smooth or diffuse by holds all over it, whatever a filtered image says.
                 let facets = (!material.is_smooth()).then(|| Ggx::new(number(alpha).max(Ggx::SMOOTH_BELOW)));
-                Model::Principled(Principled::new(Parameters {
+                let specular = specular.as_ref();
+                let base = Principled::new(Parameters {
                     colour: colour(base_colour) * texture.tint.unwrap_or(Spectrum::ONE),
                     metalness: number(metalness),
                     transmission: number(transmission),
                     coverage: number(coverage),
                     ior: *ior,
+                    specular: specular.map_or(1.0, |specular| number(&specular.weight)),
+                    specular_colour: specular.map_or(Spectrum::ONE, |specular| colour(&specular.colour)),
                     facets,
                     thin: *thin,
                     diffuse: material.has_diffuse_base(),
                     holes: material.has_holes(),
-                }))
+                });
+                match coat {
+                    None => Model::Principled(base),
+                    Some(coat) => {
+                        let facets = (!coat.is_smooth()).then(|| Ggx::new(number(&coat.alpha).max(Ggx::SMOOTH_BELOW)));
+                        Model::Coated(Coated::new(Coat::new(number(&coat.weight), coat.ior, facets), base))
+                    }
+                }
             }
         };
         Bsdf { frame: Frame::from_unit(hit.ns), ng: hit.ng, model }
@@ -131,6 +155,7 @@ impl Bsdf {
         match &self.model {
             Model::RoughDielectric(_) | Model::RoughConductor(_) => true,
             Model::Principled(m) => m.is_glossy(),
+            Model::Coated(m) => m.is_glossy(),
             _ => false,
         }
     }
@@ -146,18 +171,19 @@ impl Bsdf {
             Model::RoughDielectric(m) => m.parts(arrival, local),
             Model::RoughConductor(m) => m.parts(arrival, local),
             Model::Principled(m) if m.is_glossy() => m.parts(arrival, local),
+            Model::Coated(m) if m.is_glossy() => m.parts(arrival, local),
             _ => return None,
         };
         if more > single {
             return Some(Passage::Many);
         }
-        let eta = match &self.model {
-            Model::RoughDielectric(m) if local.z < 0.0 => Some(m.interface.eta(arrival)),
+        let eta = match (&self.model, self.principled()) {
+            (Model::RoughDielectric(m), _) if local.z < 0.0 => Some(m.interface.eta(arrival)),
             // Straight through in the mean, whatever the facet.
-            Model::Principled(m) if local.z < 0.0 && m.is_thin() => {
+            (_, Some(m)) if local.z < 0.0 && m.is_thin() => {
                 return Some(Passage::Facet { normal: Normal3::from_unit(self.frame.n), eta: Some(1.0) });
             }
-            Model::Principled(m) if local.z < 0.0 => Some(m.transmitted_eta(arrival)),
+            (_, Some(m)) if local.z < 0.0 => Some(m.transmitted_eta(arrival)),
             _ => None,
         };
         // [Walter07 (16)]; for a mirroring facet the ratio is 1.
@@ -165,11 +191,21 @@ impl Bsdf {
         Some(Passage::Facet { normal, eta })
     }
 
+    /// The principled surface that this is, or that its coat lies on.
+    fn principled(&self) -> Option<&Principled> {
+        match &self.model {
+            Model::Principled(m) => Some(m),
+            Model::Coated(m) => Some(m.base()),
+            _ => None,
+        }
+    }
+
     /// Whether there is a delta lobe: a mirror, a smooth interface or coat.
     pub fn has_delta(&self) -> bool {
         match &self.model {
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) | Model::Plastic(_) => true,
             Model::Principled(m) => m.has_delta(),
+            Model::Coated(m) => m.has_delta(),
             Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => false,
         }
     }
@@ -178,6 +214,7 @@ impl Bsdf {
         match &self.model {
             Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) | Model::Plastic(_) => true,
             Model::Principled(m) => m.has_scatter(),
+            Model::Coated(m) => m.has_scatter(),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => false,
         }
     }
@@ -281,6 +318,7 @@ impl Bsdf {
             Model::RoughConductor(m) => m.albedo(&arrival),
             Model::Plastic(m) => m.albedo(&arrival),
             Model::Principled(m) => m.albedo(&arrival),
+            Model::Coated(m) => m.albedo(&arrival),
         }
     }
 
@@ -320,6 +358,11 @@ impl Bsdf {
                 let spread = if mode == TransportMode::Radiance && wi.z < 0.0 { eta * eta } else { 1.0 };
                 m.f(arrival, wi) * spread
             }
+            Model::Coated(m) => {
+                let eta = m.base().transmitted_eta(arrival);
+                let spread = if mode == TransportMode::Radiance && wi.z < 0.0 { eta * eta } else { 1.0 };
+                m.f(arrival, wi) * spread
+            }
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => Spectrum::BLACK,
         }
     }
@@ -331,6 +374,7 @@ impl Bsdf {
             Model::RoughConductor(m) => m.pdf(&side.arrival, wi),
             Model::Plastic(m) => m.pdf(wi),
             Model::Principled(m) => m.pdf(&side.arrival, wi),
+            Model::Coated(m) => m.pdf(&side.arrival, wi),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
         }
     }
@@ -344,6 +388,7 @@ impl Bsdf {
             Model::RoughConductor(m) => m.sample(arrival, uc, u),
             Model::Plastic(m) => m.sample(u),
             Model::Principled(m) => m.sample(arrival, uc, u),
+            Model::Coated(m) => m.sample(arrival, uc, u),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => None,
         }?;
         let wi = side.to_world(local);
@@ -364,6 +409,7 @@ impl Bsdf {
             Model::Conductor(m) => m.deltas(arrival),
             Model::Plastic(m) => m.deltas(arrival),
             Model::Principled(m) => m.deltas(arrival),
+            Model::Coated(m) => m.deltas(arrival),
             Model::Lambert(_) | Model::RoughDielectric(_) | Model::RoughConductor(_) => [None; 2],
         };
         let mut list = DeltaBranches::none();
@@ -388,6 +434,7 @@ impl Bsdf {
                 if base > 0.0 { base / (base + coat) } else { 0.0 }
             }
             Model::Principled(m) => m.scatter_share(&side.arrival, deltas.iter().map(|b| b.weight.mean()).sum()),
+            Model::Coated(m) => m.scatter_share(&side.arrival, deltas.iter().map(|b| b.weight.mean()).sum()),
             Model::Mirror(_) | Model::Dielectric(_) | Model::Conductor(_) => 0.0,
         }
     }

@@ -16,6 +16,8 @@ pub(super) const CELLS: usize = 48;
 const LATTICE: [usize; 2] = [1597, 987];
 /// By how much [`albedo`] may be too small: most at grazing on narrow facets.
 pub const ERROR: f64 = 0.005;
+/// What the choice of a lobe takes the reflectance of facets for at least: the mean facet may reflect nothing, others do.
+pub const LEAST_REFLECTANCE: f64 = 0.02;
 
 /// (1 − cos)⁵: what Schlick's approximation adds to the reflectance at normal incidence.
 pub fn schlick_weight(cos: f64) -> f64 {

@@ -72,6 +72,12 @@ pub fn dielectric_diffuse(n: f64) -> f64 {
         + 8.0 * n4 * (n4 + 1.0) / (sum * difference * difference) * n.ln()
 }
 
+/// ((n − 1)/(n + 1))².
+pub fn normal_reflectance(n: f64) -> f64 {
+    let r = (n - 1.0) / (n + 1.0);
+    r * r
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,7 +7,7 @@ use pdembree::scene::Material;
 use pdembree::surface::{Event, TransportMode};
 
 use crate::support::bsdf::{
-    bent, direction, flat, glass, gold, holed, lambert, mirror, plastic, principled, rough_glass, rough_gold,
+    bent, coated, direction, flat, glass, gold, holed, lambert, mirror, plastic, principled, rough_glass, rough_gold,
 };
 
 const WHITE: [f64; 3] = [1.0; 3];
@@ -34,6 +34,9 @@ fn lobes_are_what_the_models_say() {
         (principled(WHITE, [0.0, 1.0, 0.0, 1.5], true), true, false),
         (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), false, true),
         (holed(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), 0.5), true, true),
+        (coated(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), [0.5, 0.0, 1.5]), true, true),
+        (coated(principled(WHITE, [1.0, 0.0, 0.0, 1.5], false), [0.5, 0.0, 1.5]), true, false),
+        (coated(principled(WHITE, [1.0, 0.0, 0.3, 1.5], false), [0.5, 0.2, 1.5]), false, true),
         // The smooth limits.
         (rough_glass(1.5, 0.0), true, false),
         (rough_glass(1.0, 0.2), true, false),
@@ -63,6 +66,8 @@ fn materials_know_whether_they_can_focus() {
         (principled(WHITE, [1.0, 0.0, 0.3, 1.5], false), true),
         (holed(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), 0.5), true),
         (principled(WHITE, [0.0, 1.0, 0.3, 1.5], true), true),
+        (coated(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), [0.5, 0.0, 1.5]), true),
+        (coated(principled(WHITE, [0.0, 0.0, 0.3, 1.5], false), [0.5, 0.2, 1.5]), false),
     ] {
         assert_eq!(material.can_focus(), expected, "{material:?}");
     }

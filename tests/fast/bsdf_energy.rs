@@ -7,7 +7,8 @@ use pdembree::surface::facet_loss::Loss;
 use pdembree::surface::{Bsdf, Event, TransportMode};
 
 use crate::support::bsdf::{
-    bent, direction, flat, glass, lambert, plastic, principled, principled_mixtures, rough_glass, rough_gold,
+    bent, direction, flat, glass, lambert, layered_mixtures, plastic, principled, principled_mixtures, rough_glass,
+    rough_gold,
 };
 use crate::support::chi2::{Grid, sideways_direction};
 
@@ -17,6 +18,7 @@ fn scattering() -> Vec<Material> {
     let mut all = principled_mixtures(0.0);
     all.retain(Material::has_diffuse_base);
     all.extend([lambert([0.2, 0.5, 1.0]), plastic([0.3, 0.6, 0.9], 1.5), plastic([1.0; 3], 2.0)]);
+    all.extend(layered_mixtures());
     for alpha in [0.05, 0.3, 0.8] {
         all.push(rough_gold(alpha));
         all.extend([0.8, 1.5, 2.0].map(|ior| rough_glass(ior, alpha)));

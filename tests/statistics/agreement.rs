@@ -556,7 +556,13 @@ fn photons_and_eye_paths_agree_on_principled_surfaces() {
         let ball = BALL.replace("type = \"dielectric\"", &format!("{glass}\n{finish}"));
         assert!(assert_agree(&ball, &PHOTON_MAP, &PATHS, "caustic") > 0.01);
     }
-    for roughness in ["0.5", "0"] {
+    // A coat that is rough over smooth glass sends its part to where the glass does not.
+    let coat = format!("{glass}\nroughness = 0\ncoat = 1\ncoat_roughness = 0.4");
+    let ball = BALL.replace("type = \"dielectric\"", &coat);
+    assert!(assert_agree(&ball, &PHOTON_MAP, &PATHS, "caustic") > 0.01);
+    let narrow = ball.replace("[render]", "[render]\nbandwidth = 1");
+    assert!(assert_agree(&narrow, &PHOTON_MAP, &LIGHT, "caustic") > 0.01);
+    for roughness in ["0.5", "0", "0.5\ncoat = 0.8", "0.5\ncoat = 0.8\ncoat_roughness = 0.3"] {
         let floor = format!("type = \"principled\"\nbase_colour = [0.7, 0.5, 0.3]\nroughness = {roughness}");
         let ball = BALL.replace("type = \"lambert\"\nalbedo = [0.7, 0.5, 0.3]", &floor);
         assert_ne!(ball, BALL);

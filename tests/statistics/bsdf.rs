@@ -6,7 +6,8 @@ use pdembree::scene::Material;
 use pdembree::surface::{Bsdf, Event, TransportMode};
 
 use crate::support::bsdf::{
-    bent, direction, lambert, plastic, principled, principled_mixtures, rough_glass, rough_gold,
+    bent, coated, direction, lambert, layered_mixtures, plastic, principled, principled_mixtures, rough_glass,
+    rough_gold,
 };
 use crate::support::chi2::{Grid, sideways_direction, sideways_point};
 use crate::support::statistics::{Moments, assert_plausible, z_test};
@@ -46,9 +47,14 @@ fn all_cases() -> Vec<Case> {
         rough_glass(1.33, 1.0),
         rough_glass(0.7, 0.3),
     ];
-    let flat: Vec<Material> = flat.into_iter().chain([0.05, 0.4].into_iter().flat_map(principled_mixtures)).collect();
+    let flat: Vec<Material> = flat
+        .into_iter()
+        .chain([0.05, 0.4].into_iter().flat_map(principled_mixtures))
+        .chain(layered_mixtures())
+        .collect();
     let bent = [lambert([0.5; 3]), plastic([0.2, 0.5, 0.8], 1.5), rough_gold(0.3), rough_glass(1.5, 0.3)];
-    let bent: Vec<Material> = bent.into_iter().chain(principled_mixtures(0.3)).collect();
+    let bent: Vec<Material> =
+        bent.into_iter().chain(principled_mixtures(0.3)).chain(layered_mixtures().into_iter().take(1)).collect();
     cases(&flat, &bent)
 }
 
@@ -100,6 +106,8 @@ fn directions_of_all_lobes_have_their_density() {
         plastic([0.9; 3], 1.1),
         principled([0.9, 0.5, 0.2], [0.3, 0.0, 0.0, 1.5], false),
         principled([0.9, 0.5, 0.2], [0.2, 0.5, 0.0, 1.5], true),
+        coated(principled([0.9, 0.5, 0.2], [0.3, 0.0, 0.3, 1.5], false), [0.8, 0.0, 1.5]),
+        coated(principled([0.9, 0.5, 0.2], [1.0, 0.0, 0.0, 1.5], false), [0.8, 0.3, 1.5]),
     ];
     chi2_of_all(cases(&plastics, &plastics), 2, draw, |bsdf, wo, wi| bsdf.pdf(wo, wi, mode).get());
 }

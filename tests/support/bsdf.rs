@@ -3,6 +3,7 @@
 use pdembree::differential::ShapeOperator;
 use pdembree::math::{Dir3, Normal3, Point3, Vec3};
 use pdembree::radiometry::Spectrum;
+use pdembree::scene::material::{Coat, Specular};
 use pdembree::scene::{Material, MaterialId, ObjectId, Textured};
 use pdembree::surface::{Bsdf, Interaction, Lookup, Textures};
 
@@ -69,7 +70,18 @@ pub fn holed(material: Material, part: f64) -> Material {
         panic!("{material:?}")
     };
     let coverage = Textured::Constant(part);
-    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, normal: None }
+    Material::Principled {
+        base_colour,
+        metalness,
+        transmission,
+        coverage,
+        alpha,
+        ior,
+        thin,
+        normal: None,
+        specular: None,
+        coat: None,
+    }
 }
 
 /// A principled material of one colour: metalness, transmission, GGX width, index, whether glass is thin.
@@ -77,7 +89,46 @@ pub fn principled(colour: [f64; 3], [metalness, transmission, alpha, ior]: [f64;
     let [metalness, transmission, alpha] = [metalness, transmission, alpha].map(Textured::Constant);
     let base_colour = Textured::Constant(Spectrum::from(colour));
     let coverage = Textured::Constant(1.0);
-    Material::Principled { base_colour, metalness, transmission, coverage, alpha, ior, thin, normal: None }
+    Material::Principled {
+        base_colour,
+        metalness,
+        transmission,
+        coverage,
+        alpha,
+        ior,
+        thin,
+        normal: None,
+        specular: None,
+        coat: None,
+    }
+}
+
+/// A principled material under a coat: the part of it that is there, GGX width, index.
+pub fn coated(mut material: Material, [part, alpha, ior]: [f64; 3]) -> Material {
+    let Material::Principled { coat, .. } = &mut material else { panic!("{material:?}") };
+    *coat = Some(Coat { weight: Textured::Constant(part), alpha: Textured::Constant(alpha), ior });
+    material
+}
+
+/// A principled material whose reflectance over the diffuse base is multiplied.
+pub fn with_specular(mut material: Material, part: f64, tint: [f64; 3]) -> Material {
+    let Material::Principled { specular, .. } = &mut material else { panic!("{material:?}") };
+    *specular = Some(Specular { weight: Textured::Constant(part), colour: Textured::Constant(Spectrum::from(tint)) });
+    material
+}
+
+/// A coat over each kind of lobe, smooth and rough ones of both; and a reflectance that is multiplied.
+pub fn layered_mixtures() -> Vec<Material> {
+    let colour = [0.9, 0.5, 0.2];
+    let of = |numbers, thin| principled(colour, numbers, thin);
+    vec![
+        coated(of([0.0, 0.0, 0.3, 1.5], false), [0.8, 0.1, 1.5]),
+        coated(of([1.0, 0.0, 0.3, 1.5], false), [1.0, 0.0, 1.5]),
+        coated(of([1.0, 0.0, 0.0, 1.5], false), [1.0, 0.2, 2.0]),
+        coated(of([0.1, 0.7, 0.2, 1.5], false), [1.0, 0.4, 1.5]),
+        coated(holed(of([0.2, 0.6, 0.2, 1.5], true), 0.6), [0.7, 0.1, 1.5]),
+        with_specular(of([0.1, 0.0, 0.3, 1.5], false), 0.7, [3.0, 1.0, 0.2]),
+    ]
 }
 
 /// Every kind of lobe and mixture with facets of the width `alpha`.

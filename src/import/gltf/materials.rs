@@ -3,14 +3,16 @@
 use gltf::material::{AlphaMode, NormalTexture, PbrSpecularGlossiness};
 use gltf::texture::Info;
 use gltf::{Document, Material};
+use serde_json::Value;
 
-use super::textures::{Channels, Textures, uv_set};
+use super::layers;
+use super::textures::{Channels, Textures, plain_uv_set, uv_set};
 use crate::import::ignored::Ignored;
 use crate::import::names::Names;
 use crate::scene::PhotonChoice;
 use crate::scene::description::{
-    Emission, InteriorDescription, MaterialDescription, MaterialModel, MediumDescription, NormalMapDescription,
-    Parameter, Reference, TextureDescription,
+    CoatDescription, Emission, InteriorDescription, MaterialDescription, MaterialModel, MediumDescription,
+    NormalMapDescription, Parameter, Reference, TextureDescription,
 };
 use crate::scene::error::{Problem, Source};
 
@@ -79,9 +81,9 @@ impl<'a> Materials<'a> {
 }
 
 /// The images of one material. A mesh has one set of texture coordinates here: that of the first image.
-struct Uses<'t, 'a> {
+pub(super) struct Uses<'t, 'a> {
     textures: &'t mut Textures<'a>,
-    ignored: &'t mut Ignored,
+    pub ignored: &'t mut Ignored,
     uv_set: Option<u32>,
 }
 
@@ -96,18 +98,29 @@ impl Uses<'_, '_> {
         self.textures.of(info, channels)
     }
 
+    /// The same where the crate leaves an extension as JSON.
+    pub fn plain_image(&mut self, info: &Value, channels: Channels) -> Result<usize, Problem> {
+        self.lies_in(plain_uv_set(info));
+        self.textures.of_json(info, channels)
+    }
+
     fn lies_in(&mut self, set: u32) {
         if *self.uv_set.get_or_insert(set) != set {
             self.ignored.note("a second set of texture coordinates in one material");
         }
     }
 
-    fn number(&mut self, info: Option<Info<'_>>, channels: Channels, factor: f64) -> Result<Parameter<f64>, Problem> {
+    pub fn number(
+        &mut self,
+        info: Option<Info<'_>>,
+        channels: Channels,
+        factor: f64,
+    ) -> Result<Parameter<f64>, Problem> {
         let Some(info) = info else { return Ok(Parameter::Constant(factor)) };
         Ok(Parameter::Image { texture: self.image(&info, channels)?, factor })
     }
 
-    fn colour(&mut self, info: Option<Info<'_>>, factor: [f64; 3]) -> Result<Parameter<[f64; 3]>, Problem> {
+    pub fn colour(&mut self, info: Option<Info<'_>>, factor: [f64; 3]) -> Result<Parameter<[f64; 3]>, Problem> {
         let Some(info) = info else { return Ok(Parameter::Constant(factor)) };
         Ok(Parameter::Image { texture: self.image(&info, Channels::Colour)?, factor })
     }
@@ -119,7 +132,7 @@ const USUAL_INDEX: f32 = 1.5;
 const USUAL_CUTOFF: f32 = 0.5;
 
 /// Components of `f32` that were meant to be at most 1 are.
-fn share(x: f32) -> f64 {
+pub(super) fn share(x: f32) -> f64 {
     f64::from(x).clamp(0.0, 1.0)
 }
 
@@ -141,10 +154,21 @@ fn model(material: &Material<'_>, uses: &mut Uses<'_, '_>) -> Result<MaterialMod
         Some(map) => Some(uses.normals(&map)?),
         None => None,
     };
-    let model =
-        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal };
+    let (specular, coat) = (layers::specular(material, uses)?, layers::coat(material, uses)?);
+    let model = MaterialModel::Principled {
+        base_colour,
+        metalness,
+        roughness,
+        transmission,
+        coverage,
+        ior,
+        thin,
+        normal,
+        specular,
+        coat,
+    };
     match material.pbr_specular_glossiness() {
-        Some(older) => specular_glossiness(&older, coverage, normal, uses),
+        Some(older) => specular_glossiness(&older, coverage, normal, coat, uses),
         None => Ok(without_unused_images(model)),
     }
 }
@@ -200,6 +224,7 @@ fn specular_glossiness(
     older: &PbrSpecularGlossiness<'_>,
     coverage: Parameter<f64>,
     normal: Option<NormalMapDescription>,
+    coat: Option<CoatDescription>,
     uses: &mut Uses<'_, '_>,
 ) -> Result<MaterialModel, Problem> {
     uses.ignored.note("the specular colour of KHR_materials_pbrSpecularGlossiness");
@@ -215,22 +240,23 @@ fn specular_glossiness(
         ior: USUAL_INDEX.into(),
         thin: true,
         normal,
+        specular: None,
+        coat,
     })
 }
 
 /// An image times 0 is 0: so the material is known to be no metal anywhere, or smooth.
-fn without_unused_images(model: MaterialModel) -> MaterialModel {
+fn without_unused_images(mut model: MaterialModel) -> MaterialModel {
     let plain = |number: Parameter<f64>| match number {
         Parameter::Image { factor: 0.0, .. } => Parameter::Constant(0.0),
         other => other,
     };
-    match model {
-        MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal } => {
-            let [metalness, roughness, transmission] = [metalness, roughness, transmission].map(plain);
-            MaterialModel::Principled { base_colour, metalness, roughness, transmission, coverage, ior, thin, normal }
+    if let MaterialModel::Principled { metalness, roughness, transmission, .. } = &mut model {
+        for number in [metalness, roughness, transmission] {
+            *number = plain(*number);
         }
-        other => other,
     }
+    model
 }
 
 /// The radiance that a material sends out of itself. An image of it is replaced by its mean: lamps are even here.
@@ -252,5 +278,6 @@ fn emission(material: &Material<'_>, uses: &mut Uses<'_, '_>, source: &Source) -
 
 fn note_ignored(material: &Material<'_>, ignored: &mut Ignored) {
     ignored.note_if(material.occlusion_texture().is_some(), "occlusionTexture");
+    layers::note_dispersion(material, ignored);
     ignored.note_if(material.unlit(), "KHR_materials_unlit (lit as others are)");
 }

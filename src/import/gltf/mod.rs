@@ -7,6 +7,7 @@ mod accessor;
 mod buffers;
 mod camera;
 mod container;
+mod layers;
 mod lights;
 mod materials;
 mod mesh;
@@ -72,7 +73,7 @@ fn parse_with(path: &Path, bytes: &[u8], wanted: &Wanted) -> Result<Imported, Pr
     let variant = variants::wanted(&document, wanted.variant.as_ref(), &source)?;
     let mut ignored = Ignored::default();
     note_ignored(&document, &mut ignored);
-    let textures = Textures::new(&buffers, folder, &source, &wanted.memory);
+    let textures = Textures::new(&document, &buffers, folder, &source, &wanted.memory);
     let mut reading = Reading {
         source: &source,
         buffers: &buffers,
@@ -121,12 +122,15 @@ fn parse_with(path: &Path, bytes: &[u8], wanted: &Wanted) -> Result<Imported, Pr
 }
 
 /// Extensions that are read.
-const READ: [&str; 9] = [
+const READ: [&str; 12] = [
     "KHR_lights_punctual",
     "KHR_texture_transform",
+    "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_variants",

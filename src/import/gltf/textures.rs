@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gltf::material::NormalTexture;
 use gltf::texture::{Info, WrappingMode};
-use gltf::{Image, Texture};
+use gltf::{Document, Image, Texture};
 use serde_json::Value;
 
 use super::buffers::Buffers;
@@ -42,6 +42,7 @@ struct Key {
 
 /// The textures that materials have asked for so far.
 pub(super) struct Textures<'a> {
+    document: &'a Document,
     buffers: &'a Buffers<'a>,
     folder: &'a Path,
     source: &'a Source,
@@ -54,17 +55,29 @@ pub(super) struct Textures<'a> {
 
 impl<'a> Textures<'a> {
     pub fn new(
+        document: &'a Document,
         buffers: &'a Buffers<'a>,
         folder: &'a Path,
         source: &'a Source,
         memory: &'a TextureMemory,
     ) -> Textures<'a> {
-        Textures { buffers, folder, source, memory, described: Vec::new(), known: HashMap::new(), texels: 0 }
+        Textures { document, buffers, folder, source, memory, described: Vec::new(), known: HashMap::new(), texels: 0 }
     }
 
     /// The index of a texture, read if it is new.
     pub fn of(&mut self, info: &Info<'_>, channels: Channels) -> Result<usize, Problem> {
         self.placed(&info.texture(), placement(info), channels)
+    }
+
+    /// The same of an extension that the crate leaves as JSON, and does not check.
+    pub fn of_json(&mut self, info: &Value, channels: Channels) -> Result<usize, Problem> {
+        let index = info["index"].as_u64().and_then(|index| usize::try_from(index).ok());
+        let Some(texture) = index.and_then(|index| self.document.textures().nth(index)) else {
+            let message = format!("not a sound glTF file: a material names the texture {}", info["index"]);
+            let there = self.document.textures().len();
+            return Err(Problem::new(message).help(format!("the file has {there}, counted from 0")).at(self.source));
+        };
+        self.placed(&texture, placement_of(info["extensions"].get("KHR_texture_transform")), channels)
     }
 
     /// The image of a normal map; the crate does not read its transform.
@@ -142,6 +155,13 @@ impl<'a> Textures<'a> {
 /// Which of a mesh's sets of texture coordinates the texture lies in.
 pub(super) fn uv_set(info: &Info<'_>) -> u32 {
     info.texture_transform().and_then(|t| t.tex_coord()).unwrap_or_else(|| info.tex_coord())
+}
+
+/// The same where it is mere JSON.
+pub(super) fn plain_uv_set(info: &Value) -> u32 {
+    let transformed = &info["extensions"]["KHR_texture_transform"]["texCoord"];
+    let set = transformed.as_u64().or(info["texCoord"].as_u64()).unwrap_or(0);
+    u32::try_from(set).unwrap_or(u32::MAX)
 }
 
 fn wrap(mode: WrappingMode) -> Wrap {

@@ -10,7 +10,9 @@ use crate::import::keyed::convert::{
     Boolean, Choice, Colour, Convert, FRACTION, Mismatch, NON_NEGATIVE, Number, POSITIVE, Text, found,
 };
 use crate::import::keyed::reader::Section;
-use crate::scene::description::{MaterialDescription, MaterialModel, NormalMapDescription, Parameter};
+use crate::scene::description::{
+    CoatDescription, MaterialDescription, MaterialModel, NormalMapDescription, Parameter, SpecularDescription,
+};
 use crate::scene::metal::Metal;
 use crate::scene::texture::Wrap;
 
@@ -156,6 +158,8 @@ fn read_model(kind: MaterialName, section: &Section<'_>, assets: &mut Assets) ->
             ior: section.or("ior", POSITIVE, 1.5),
             thin: section.or("thin", Boolean, false),
             normal: normal_map(section, assets),
+            specular: specular(section, assets),
+            coat: coat(section, assets),
         },
     }
 }
@@ -188,6 +192,24 @@ fn colour(key: &'static str, section: &Section<'_>, assets: &mut Assets) -> Para
 
 fn roughness(section: &Section<'_>, assets: &mut Assets) -> Parameter<f64> {
     parameter("roughness", section, assets, &ROUGHNESS, NON_NEGATIVE, 1.0, Some(ColourSpace::Linear))
+}
+
+/// `specular` and `specular_colour`, which lies in [0, ∞).
+fn specular(section: &Section<'_>, assets: &mut Assets) -> Option<SpecularDescription> {
+    let weight = share("specular", 1.0, section, assets);
+    let any = Colour(NON_NEGATIVE);
+    let colour = match section.get("specular_colour") {
+        None => Parameter::Constant([1.0; 3]),
+        Some(_) => parameter("specular_colour", section, assets, &any, any, [1.0; 3], None),
+    };
+    SpecularDescription { weight, colour }.unless_plain()
+}
+
+/// `coat` and what it is like.
+fn coat(section: &Section<'_>, assets: &mut Assets) -> Option<CoatDescription> {
+    let weight = share("coat", 0.0, section, assets);
+    let roughness = share("coat_roughness", 0.0, section, assets);
+    CoatDescription { weight, roughness, ior: section.or("coat_ior", POSITIVE, 1.5) }.unless_bare()
 }
 
 /// `{ image, factor, … }` of tangent-space normals; the factor scales slopes.

@@ -10,8 +10,8 @@ use std::path::{Component, Path, PathBuf};
 use crate::scene::PhotonChoice;
 use crate::scene::camera::PixelFilter;
 use crate::scene::description::{
-    CameraDescription, CameraModelDescription, ExtentDescription, LightDescription, LightModel, MaterialDescription,
-    MaterialModel, Parameter, SceneDescription,
+    CameraDescription, CameraModelDescription, CoatDescription, ExtentDescription, LightDescription, LightModel,
+    MaterialDescription, MaterialModel, Parameter, SceneDescription, SpecularDescription,
 };
 use crate::scene::named_settings::settings_by_name;
 use crate::scene::settings::RenderSettings;
@@ -154,9 +154,10 @@ fn keys(model: &MaterialModel) -> Option<(&'static str, Keys)> {
             ior,
             thin,
             normal: None,
-        } => (
-            "principled",
-            vec![
+            specular,
+            coat,
+        } => {
+            let mut keys = vec![
                 ("base_colour", colour(base_colour)?),
                 ("metalness", single(metalness)?),
                 ("roughness", single(roughness)?),
@@ -164,8 +165,16 @@ fn keys(model: &MaterialModel) -> Option<(&'static str, Keys)> {
                 ("coverage", single(coverage)?),
                 ("ior", number(*ior)),
                 ("thin", thin.to_string()),
-            ],
-        ),
+            ];
+            if let Some(SpecularDescription { weight, colour: tint }) = specular {
+                keys.extend([("specular", single(weight)?), ("specular_colour", colour(tint)?)]);
+            }
+            if let Some(CoatDescription { weight, roughness, ior }) = coat {
+                let (weight, roughness) = (single(weight)?, single(roughness)?);
+                keys.extend([("coat", weight), ("coat_roughness", roughness), ("coat_ior", number(*ior))]);
+            }
+            ("principled", keys)
+        }
         MaterialModel::Principled { normal: Some(_), .. } | MaterialModel::Interface => return None,
     })
 }

@@ -45,6 +45,7 @@ pub(super) enum Surface {
 
 /// A model before it has a name.
 #[derive(Clone, Copy)]
+#[expect(clippy::large_enum_variant, reason = "a scene has a few of them, copied while it is read")]
 enum Model {
     Known(MaterialModel),
     Nothing,
@@ -346,6 +347,8 @@ fn coated_diffuse(ps: &Parameters, context: &mut Context<'_, '_>) -> Result<Mate
             ior,
             thin: true,
             normal: None,
+            specular: None,
+            coat: None,
         },
     })
 }
@@ -397,6 +400,8 @@ fn thin_dielectric(ps: &Parameters, context: &mut Context<'_, '_>) -> Result<Mat
         ior: (1.0 + root) / (1.0 - root),
         thin: true,
         normal: None,
+        specular: None,
+        coat: None,
     })
 }
 

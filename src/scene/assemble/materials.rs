@@ -7,7 +7,7 @@ use crate::radiometry::Spectrum;
 use crate::scene::description::{MaterialDescription, MaterialModel, Parameter, Reference, SceneDescription};
 use crate::scene::error::{Problem, Source};
 use crate::scene::ids::{MaterialId, TextureId};
-use crate::scene::material::{Material, NormalMap};
+use crate::scene::material::{Coat, Material, NormalMap, Specular};
 use crate::scene::spelling::nearest;
 use crate::scene::texture::{ImageTexture, Textured};
 
@@ -103,6 +103,8 @@ impl Materials {
                 ior,
                 thin,
                 normal,
+                specular,
+                coat,
             } => {
                 checks.index("ior", ior);
                 let solid = !thin && transmission != Parameter::Constant(0.0);
@@ -111,10 +113,7 @@ impl Materials {
                         "holes belong to surfaces, not to what they enclose: leave `coverage` out, or set `thin`";
                     checks.refuse("is solid glass with `coverage`".to_owned(), help);
                 }
-                let alpha = match roughness {
-                    Parameter::Constant(0.0) => Textured::Constant(0.0),
-                    _ => self.alpha(roughness, &mut checks),
-                };
+                let alpha = self.alpha_or_smooth(roughness, &mut checks);
                 Material::Principled {
                     base_colour: self.reflectance(base_colour, &mut checks),
                     metalness: self.share("metalness", metalness, &mut checks),
@@ -124,6 +123,16 @@ impl Materials {
                     ior,
                     thin,
                     normal: normal.map(|map| NormalMap { texture: TextureId(map.texture as u32), scale: map.scale }),
+                    specular: specular.map(|specular| Specular {
+                        weight: self.share("specular", specular.weight, &mut checks),
+                        colour: self.multiplier("specular_colour", specular.colour, &mut checks),
+                    }),
+                    coat: coat.map(|coat| {
+                        checks.index("coat_ior", coat.ior);
+                        let weight = self.share("coat", coat.weight, &mut checks);
+                        let alpha = self.alpha_or_smooth(coat.roughness, &mut checks);
+                        Coat { weight, alpha, ior: coat.ior }
+                    }),
                 }
             }
         }
@@ -149,6 +158,20 @@ impl Materials {
         }
     }
 
+    /// A colour without an upper end.
+    fn multiplier(&self, name: &str, parameter: Parameter<[f64; 3]>, checks: &mut Checks<'_>) -> Textured<Spectrum> {
+        let (Parameter::Constant(value) | Parameter::Image { factor: value, .. }) = parameter;
+        if !value.iter().all(|c| *c >= 0.0 && c.is_finite()) {
+            checks.refuse(format!("has `{name}` {value:?}"), "each component must be a finite number from 0 on");
+        }
+        match parameter {
+            Parameter::Constant(value) => Textured::Constant(Spectrum::from(value)),
+            Parameter::Image { texture, factor } => {
+                Textured::Image { texture: TextureId(texture as u32), factor: Spectrum::from(factor) }
+            }
+        }
+    }
+
     /// A number from 0 to 1.
     fn share(&self, name: &str, parameter: Parameter<f64>, checks: &mut Checks<'_>) -> Textured<f64> {
         let (most, textured) = match parameter {
@@ -162,6 +185,14 @@ impl Materials {
             checks.refuse(format!("has `{name}` {most}"), "it must be from 0 to 1");
         }
         textured
+    }
+
+    /// As [`Materials::alpha`], where a roughness of 0 all over is a smooth surface.
+    fn alpha_or_smooth(&mut self, roughness: Parameter<f64>, checks: &mut Checks<'_>) -> Textured<f64> {
+        match roughness {
+            Parameter::Constant(0.0) => Textured::Constant(0.0),
+            _ => self.alpha(roughness, checks),
+        }
     }
 
     /// alpha = roughness², in an image texel by texel.

@@ -4,7 +4,8 @@ use super::{Canonical, earlier};
 use crate::math::{Point3, Vec3};
 use crate::scene::density::DensityGrid;
 use crate::scene::description::{
-    InteriorDescription, MaterialModel, MediumDescription, NormalMapDescription, Parameter, Reference, SceneDescription,
+    CoatDescription, InteriorDescription, MaterialModel, MediumDescription, NormalMapDescription, Parameter, Reference,
+    SceneDescription, SpecularDescription,
 };
 use crate::scene::texture::{ImageTexture, Placement, Wrap};
 
@@ -90,6 +91,8 @@ impl Canonical {
                 ior,
                 thin,
                 normal,
+                specular,
+                coat,
             } => {
                 self.tag("principled");
                 self.numbers(&[ior]);
@@ -102,6 +105,18 @@ impl Canonical {
                     self.tag("normal");
                     self.numbers(&[scale]);
                     self.texture(texture, description);
+                }
+                // As the normal map, only where there are.
+                if let Some(SpecularDescription { weight, colour }) = specular {
+                    self.tag("specular");
+                    self.number(weight, description);
+                    self.colour(colour, description);
+                }
+                if let Some(CoatDescription { weight, roughness, ior }) = coat {
+                    self.tag("coat");
+                    self.numbers(&[ior]);
+                    self.number(weight, description);
+                    self.number(roughness, description);
                 }
             }
         }

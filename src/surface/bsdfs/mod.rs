@@ -4,6 +4,8 @@
 //! The models know nothing of the geometric normal: [`super::Bsdf`] asks them only about directions that lie on the same
 //! sides of both normals.
 
+pub mod coat;
+pub mod coated;
 pub mod conductor;
 pub mod dielectric;
 pub mod lambert;
