@@ -54,7 +54,7 @@ pub fn time(
 ) -> Result<RenderState, Failure> {
     let mut whole = None;
     let first = first_pass::render(world, left, watch, |pass| _ = whole.get_or_insert(pass));
-    let (state, _) = first.map_err(|error| render_failure(&error))?;
+    let state = first.map_err(|error| render_failure(&error))?;
     if let Some(whole) = whole {
         let settings = &world.scene.settings;
         let photons = match settings.method {

@@ -25,13 +25,13 @@ const MARGIN: f64 = 0.95;
 
 /// Renders pass 0 of the whole picture, and leaves the world with the settings of passes of which one ends within `left`, or
 /// with the smallest ones there are; their number is such that the whole has as many photons and samples. `given_up` hears of
-/// each pass that was begun and would end too late: how long it would take, about.
+/// each pass that was begun and would end too late: how long it would take, about. Where `watch` stops it, the pass is not whole.
 pub fn render(
     world: &mut World,
     left: Duration,
     watch: &dyn Watch,
     mut given_up: impl FnMut(Duration),
-) -> Result<(RenderState, Ended), RenderError> {
+) -> Result<RenderState, RenderError> {
     let (start, whole) = (Instant::now(), world.scene.settings.clone());
     let mut size = 1.0;
     loop {
@@ -41,7 +41,7 @@ pub fn render(
         let mut state = RenderState::new(world, PixelBounds::whole(world.scene.camera.resolution), 0);
         let ended = go_on(world, &mut state, &trial, |state| state.film.passes() == 0)?;
         let (Some(pass), Ended::Stopped, false) = (trial.late.get(), ended, watch.stop()) else {
-            return Ok((state, ended));
+            return Ok(state);
         };
         given_up(*pass);
         size = fitting(&smaller, size, *pass, left.saturating_sub(trial.start.elapsed()));
